@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The voltage guard: the only door through which a voltage leaves a controller."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Guarded:
+    """What the guard let through.
+
+    Attributes:
+        voltage: shape, V; what is really applied.
+        saturated: shape, bool; the limit or the slew limit changed the demand.
+        fault: shape, bool; latched.
+    """
+
+    voltage: NDArray[np.float64]
+    saturated: NDArray[np.bool_]
+    fault: NDArray[np.bool_]
+
+
+class VoltageGuard:
+    """Finite, |V| <= limit, |dV| <= slew dt; a demand that is not finite latches 0 V until `reset`.
+
+    A voltage moves metal: whatever a law says, this is what comes out. A latched fault goes to 0 V at once, because
+    at zero volts a coil only damps; the slew limit protects against demands, not against stopping.
+
+    Args:
+        limit: V, largest magnitude.
+        slew: V/s, largest rate; infinity for none.
+        dt: s, sample period.
+        shape: leading axes.
+    """
+
+    def __init__(self, limit: float, slew: float, dt: float, shape: tuple[int, ...] = ()) -> None:
+        self.limit = limit
+        self.step = slew * dt
+        self.voltage = np.zeros(shape)
+        self.fault = np.zeros(shape, dtype=bool)
+
+    def apply(self, demand: NDArray[np.float64], stop: NDArray[np.bool_] | bool = False) -> Guarded:
+        """Let a demand (shape, V) through; `stop` (shape) latches 0 V."""
+        finite = np.isfinite(demand)
+        self.fault = self.fault | ~finite | stop
+        wanted = np.where(finite, demand, 0.0)
+        slewed = np.minimum(np.maximum(wanted, self.voltage - self.step), self.voltage + self.step)
+        limited = np.minimum(np.maximum(slewed, -self.limit), self.limit)
+        # + 0.0 turns a negative zero into zero, so that a voltage of nothing has one spelling
+        self.voltage = np.where(self.fault, 0.0, limited) + 0.0
+        return Guarded(self.voltage, (self.voltage != wanted) & ~self.fault, self.fault)
+
+    def reset(self, mask: NDArray[np.bool_] | bool = True) -> None:
+        """Release latched faults where `mask` (shape) holds; the output restarts from 0 V there."""
+        self.fault = self.fault & ~np.asarray(mask)
+        self.voltage = np.where(mask, 0.0, self.voltage)

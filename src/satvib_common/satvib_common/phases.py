@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The phases of an experiment, as a function of the sample index alone."""
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+from satvib_common.errors import SatvibError
+
+
+class Phase(IntEnum):
+    """What a strut does; the numbers are those of satvib_msgs/Schedule."""
+
+    STANDBY = 0
+    CALIBRATE = 1
+    IDENTIFY = 2
+    ADAPT = 3
+    CONTROL = 4
+
+
+@dataclass(frozen=True)
+class PhasePlan:
+    """Phases by first sample.
+
+    Attributes:
+        phases: the phases in order.
+        first: first `sequence` of each, strictly increasing, beginning with 0.
+        end: number of samples of the experiment; 0 means without end.
+    """
+
+    phases: tuple[Phase, ...]
+    first: tuple[int, ...]
+    end: int = 0
+
+    def __post_init__(self) -> None:
+        """Check the order once, so that nobody has to later."""
+        if not self.phases or len(self.phases) != len(self.first):
+            raise SatvibError(
+                f'schedule: {len(self.phases)} phases but {len(self.first)} first samples'
+            )
+        if self.first[0] != 0:
+            raise SatvibError(f'schedule: the first phase begins at sample {self.first[0]}, not 0')
+        for before, after in zip(self.first, self.first[1:], strict=False):
+            if after <= before:
+                raise SatvibError(f'schedule: a phase begins at {after}, not after {before}')
+        if self.end and self.end <= self.first[-1]:
+            raise SatvibError(f'schedule: ends at {self.end}, in or before its last phase')
+
+    @classmethod
+    def from_seconds(
+        cls, steps: Sequence[tuple[Phase, float]], duration: float, rate: float
+    ) -> 'PhasePlan':
+        """Make a plan from (phase, start in s), a duration in s and a sample rate in Hz."""
+        return cls(
+            tuple(phase for phase, _ in steps),
+            tuple(round(start * rate) for _, start in steps),
+            round(duration * rate),
+        )
+
+    def index(self, sequence: int) -> int:
+        """Position in `phases` at a sample."""
+        return bisect_right(self.first, sequence) - 1
+
+    def at(self, sequence: int) -> Phase:
+        """Phase of a sample."""
+        return self.phases[self.index(sequence)]
+
+    def start_of(self, sequence: int) -> int:
+        """First sample of the phase that a sample belongs to."""
+        return self.first[self.index(sequence)]
+
+    def first_of(self, phase: Phase) -> int | None:
+        """First sample of the first phase of that kind, None when there is none."""
+        for candidate, first in zip(self.phases, self.first, strict=True):
+            if candidate == phase:
+                return first
+        return None
+
+    def handoff(self, sequence: int, period: int) -> bool:
+        """Whether a controller takes the identified model of the sample before this one.
+
+        That is at the first sample of every ADAPT and CONTROL after an IDENTIFY, and at every `period`-th sample
+        after the first of IDENTIFY (0: only at the phase changes).
+        """
+        start = self.first_of(Phase.IDENTIFY)
+        if start is None or sequence <= start:
+            return False
+        if sequence == self.start_of(sequence) and self.at(sequence) in {
+            Phase.ADAPT,
+            Phase.CONTROL,
+        }:
+            return True
+        return period > 0 and (sequence - start) % period == 0

@@ -1,0 +1,258 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Self-validating frozen dataclasses: one engine for node parameters, rigs and scenarios.
+
+@dataclass(frozen=True, kw_only=True)
+class Coil(Schema):
+    resistance: float = param(2.7, 'winding resistance', unit='ohm', above=0.0)
+
+Coil.from_mapping({'resistance': -1}, 'rig paper_3dof: coil')
+-> SatvibError: rig paper_3dof: coil.resistance: -1.0 is not above 0.0 ohm
+"""
+
+import dataclasses
+import difflib
+import math
+import re
+import types
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import yaml
+
+from satvib_common.errors import SatvibError
+
+_KEY = 'satvib'
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """What a field may hold; bounds hold for every element of a sequence."""
+
+    description: str
+    unit: str = ''
+    minimum: float | None = None
+    maximum: float | None = None
+    above: float | None = None
+    below: float | None = None
+    choices: tuple[Any, ...] | None = None
+    read_only: bool = False
+    finite: bool = True
+
+    def complaint(self, value: Any) -> str | None:
+        """Why one value is refused, None when it is not."""
+        unit = f' {self.unit}' if self.unit else ''
+        if self.choices is not None and value not in self.choices:
+            return f'{value!r} is not one of {", ".join(map(str, self.choices))}'
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return None
+        if self.finite and not math.isfinite(value):
+            return f'{value} is not a finite number'
+        if self.above is not None and not value > self.above:
+            return f'{value} is not above {self.above}{unit}'
+        if self.below is not None and not value < self.below:
+            return f'{value} is not below {self.below}{unit}'
+        if self.minimum is not None and not value >= self.minimum:
+            return f'{value} is less than {self.minimum}{unit}'
+        if self.maximum is not None and not value <= self.maximum:
+            return f'{value} is more than {self.maximum}{unit}'
+        return None
+
+
+def param(default: Any = dataclasses.MISSING, description: str = '', **constraint: Any) -> Any:
+    """Declare a field: its default, what it is, and the keywords of `Constraint`.
+
+    Without a default the field is required. A mutable default is a mistake; use tuples.
+    """
+    metadata = {_KEY: Constraint(description, **constraint)}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def constraint_of(field: dataclasses.Field[Any]) -> Constraint:
+    """Give the constraint of a field of a schema."""
+    found: Constraint = field.metadata.get(_KEY, Constraint(''))
+    return found
+
+
+@dataclass(frozen=True)
+class Schema:
+    """Base of every checked value object; subclasses are frozen, keyword-only dataclasses."""
+
+    def __post_init__(self) -> None:
+        """Check each field, then the whole."""
+        hints = typing.get_type_hints(type(self))
+        for field in dataclasses.fields(self):
+            value = _coerced(getattr(self, field.name), hints[field.name], field.name)
+            object.__setattr__(self, field.name, value)
+            elements = value if isinstance(value, tuple) else (value,)
+            for element in elements:
+                complaint = constraint_of(field).complaint(element) if element is not None else None
+                if complaint:
+                    raise SatvibError(f'{field.name}: {complaint}')
+        self.check()
+
+    def check(self) -> None:
+        """Check what no single field can tell; raises SatvibError."""
+
+    @classmethod
+    def from_mapping(cls, mapping: Any, where: str = '') -> Self:
+        """Build from plain data (as YAML gives it), every key checked.
+
+        Args:
+            mapping: keys are field names; nested schemas are mappings, sequences of them lists.
+            where: the start of the message when something is wrong, for instance the file.
+
+        Raises:
+            SatvibError: an unknown or missing key, a wrong type, a value out of range.
+        """
+        prefix = f'{where}: ' if where else ''
+        if not isinstance(mapping, Mapping):
+            raise SatvibError(f'{prefix}a mapping of keys is expected, not {_shown(mapping)}')
+        try:
+            hints = typing.get_type_hints(cls)
+            fields = {f.name: f for f in dataclasses.fields(cls)}
+            for key in mapping:
+                if key not in fields:
+                    raise SatvibError(f'{key}: no such key{_suggestion(str(key), list(fields))}')
+            for name, field in fields.items():
+                if name not in mapping and field.default is dataclasses.MISSING:
+                    raise SatvibError(f'{name}: missing')
+            return cls(**{k: _built(v, hints[k], str(k)) for k, v in mapping.items()})
+        except SatvibError as error:
+            raise SatvibError(f'{prefix}{error}') from None
+
+    def to_mapping(self) -> dict[str, Any]:
+        """Give plain data that `from_mapping` takes back."""
+        return {f.name: _plain(getattr(self, f.name)) for f in dataclasses.fields(self)}
+
+    def replace(self, **changes: Any) -> Self:
+        """Give a checked copy with some fields changed."""
+        return dataclasses.replace(self, **changes)
+
+
+def _shown(value: Any) -> str:
+    return 'nothing' if value is None else f'{type(value).__name__} {value!r}'
+
+
+def _suggestion(key: str, known: list[str]) -> str:
+    close = difflib.get_close_matches(key, known, n=1)
+    return f'; did you mean {close[0]}?' if close else f' (known: {", ".join(known)})'
+
+
+def _options(hint: Any) -> tuple[Any, ...]:
+    """Alternatives of a union, or the hint alone."""
+    if typing.get_origin(hint) in {typing.Union, types.UnionType}:
+        return typing.get_args(hint)
+    return (hint,)
+
+
+def _built(value: Any, hint: Any, name: str) -> Any:
+    """Turn nested mappings into nested schemas, lists into tuples, recursively."""
+    for option in _options(hint):
+        if isinstance(option, type) and issubclass(option, Schema):
+            if isinstance(value, Mapping):
+                return _nested(value, option, name)
+        elif typing.get_origin(option) is tuple and isinstance(value, list | tuple):
+            inner = typing.get_args(option)[0]
+            return tuple(_built(v, inner, f'{name}[{i}]') for i, v in enumerate(value))
+    return value
+
+
+def _nested(value: Any, cls: type[Schema], name: str) -> Schema:
+    try:
+        return cls.from_mapping(value)
+    except SatvibError as error:
+        raise SatvibError(f'{name}.{error}') from None
+
+
+def _coerced(value: Any, hint: Any, name: str) -> Any:
+    """Check a value against a type hint; an int is a float where a float is wanted."""
+    options = _options(hint)
+    for option in options:
+        origin = typing.get_origin(option) or option
+        if origin is Any:
+            return value
+        if origin is tuple and isinstance(value, list | tuple):
+            inner = typing.get_args(option)[0]
+            return tuple(_coerced(v, inner, f'{name}[{i}]') for i, v in enumerate(value))
+        if origin is float and isinstance(value, int | float) and not isinstance(value, bool):
+            return float(value)
+        if origin is int and isinstance(value, bool):
+            continue
+        if isinstance(origin, type) and isinstance(value, origin):
+            return value
+    wanted = ' or '.join(_type_name(o) for o in options)
+    raise SatvibError(f'{name}: {wanted} is expected, not {_shown(value)}')
+
+
+def _type_name(hint: Any) -> str:
+    if hint is type(None):
+        return 'nothing'
+    if typing.get_origin(hint) is tuple:
+        return f'a list of {_type_name(typing.get_args(hint)[0])}'
+    return {
+        'float': 'a number',
+        'int': 'a whole number',
+        'str': 'text',
+        'bool': 'true or false',
+    }.get(getattr(hint, '__name__', ''), f'a {getattr(hint, "__name__", hint)}')
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Schema):
+        return value.to_mapping()
+    if isinstance(value, tuple):
+        return [_plain(v) for v in value]
+    if isinstance(value, Mapping):
+        return {k: _plain(v) for k, v in value.items()}
+    return value
+
+
+class _Loader(yaml.SafeLoader):
+    """Safe YAML that refuses a key given twice and reads 1e-3 as the number it is."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        seen = set()
+        for key_node, _ in node.value:
+            key = self.construct_object(key_node, deep=True)
+            if key in seen:
+                raise SatvibError(f'line {key_node.start_mark.line + 1}: {key} is given twice')
+            seen.add(key)
+        return super().construct_mapping(node, deep)
+
+
+_Loader.add_implicit_resolver(
+    'tag:yaml.org,2002:float',
+    re.compile(r'^[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$'),
+    list('-+0123456789.'),
+)
+
+
+def parse_yaml(text: str, where: str) -> Any:
+    """Parse YAML text; `where` begins the message when it is broken."""
+    try:
+        return yaml.load(text, _Loader)  # noqa: S506 - derived from SafeLoader
+    except SatvibError as error:
+        raise SatvibError(f'{where}: {error}') from None
+    except yaml.YAMLError as error:
+        first = str(error).replace('\n', ' ')
+        raise SatvibError(f'{where}: not YAML: {first}') from None
+
+
+def load_yaml(path: Path) -> Any:
+    """Read and parse a YAML file.
+
+    Raises:
+        SatvibError: the file is missing, unreadable, empty or not YAML.
+    """
+    try:
+        text = path.read_text(encoding='utf-8')
+    except (OSError, UnicodeDecodeError) as error:
+        raise SatvibError(f'{path}: cannot be read: {error}') from None
+    data = parse_yaml(text, str(path))
+    if data is None:
+        raise SatvibError(f'{path}: is empty')
+    return data
