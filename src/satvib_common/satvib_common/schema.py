@@ -65,9 +65,12 @@ class Constraint:
 def param(default: Any = dataclasses.MISSING, description: str = '', **constraint: Any) -> Any:
     """Declare a field: its default, what it is, and the keywords of `Constraint`.
 
-    Without a default the field is required. A mutable default is a mistake; use tuples.
+    Without a default the field is required. A mutable default is a mistake; use tuples. The class `dict` as default
+    means an empty mapping, a new one for every object.
     """
     metadata = {_KEY: Constraint(description, **constraint)}
+    if default is dict:
+        return dataclasses.field(default_factory=dict, metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
 
 
@@ -118,7 +121,8 @@ class Schema:
                 if key not in fields:
                     raise SatvibError(f'{key}: no such key{_suggestion(str(key), list(fields))}')
             for name, field in fields.items():
-                if name not in mapping and field.default is dataclasses.MISSING:
+                given = (field.default, field.default_factory) != (dataclasses.MISSING,) * 2
+                if name not in mapping and not given:
                     raise SatvibError(f'{name}: missing')
             return cls(**{k: _built(v, hints[k], str(k)) for k, v in mapping.items()})
         except SatvibError as error:
