@@ -1,0 +1,211 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""A scenario: which rig, which phases, which disturbance, which identifier and law, and which seed.
+
+    scenario = load_scenario('paper_3dof', ['seed=7', 'controller.law=velocity_feedback', 'rig.payload.mass=12'])
+    plan = scenario.plan(rate)
+
+Every key is checked when the scenario is loaded, the nested mappings by the package that they belong to, and the file
+is named in the message.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from satvib_common.errors import SatvibError
+from satvib_common.phases import Phase, PhasePlan
+from satvib_common.schema import Schema, load_yaml, param
+
+from satvib_bringup.overrides import apply_overrides
+from satvib_bringup.settings import resolve_path, unknown_name
+
+if TYPE_CHECKING:
+    from satvib_control.parameters import ControllerParameters
+    from satvib_ident.parameters import IdentifierParameters
+    from satvib_plant_sim.disturbance import Disturbance
+    from satvib_plant_sim.rig import Rig
+
+FOLDER = Path(__file__).parent / 'scenarios'
+
+# What the scenario gives to every node itself, so that no two of them can disagree.
+_SHARED = ('sample_rate', 'lockstep', 'model_period')
+
+
+@dataclass(frozen=True, kw_only=True)
+class PhaseStep(Schema):
+    """One phase and its start."""
+
+    phase: str = param(description='what the struts do', choices=tuple(p.name for p in Phase))
+    start: float = param(0.0, 'when it begins', unit='s', minimum=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnalysisSettings(Schema):
+    """What the report looks at; what is left out is found from the phases and the disturbance."""
+
+    off: tuple[float, ...] = param((), 'window with the disturbance and without control', unit='s')
+    on: tuple[float, ...] = param((), 'window with the disturbance and settled control', unit='s')
+    frequencies: tuple[float, ...] = param((), 'tones to look at', unit='Hz', above=0.0)
+    reference: tuple[float, ...] = param((), 'attenuation to compare with, per strut', unit='dB')
+    reference_source: str = param('', 'where those figures come from')
+
+    def check(self) -> None:
+        """Check the windows."""
+        for name in ('off', 'on'):
+            window = getattr(self, name)
+            if window and not (len(window) == 2 and 0.0 <= window[0] < window[1]):
+                raise SatvibError(f'{name}: a start and a later end are expected, not {window}')
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario(Schema):
+    """One experiment, complete: the same scenario and seed give the same samples, bit for bit."""
+
+    name: str = param(description='name of the scenario; runs are filed under it')
+    description: str = param('', 'what it shows')
+    rig: str = param(description='name of a rig, or path of its YAML file')
+    rig_overrides: dict[str, Any] = param(dict, 'changes to the rig by dotted key')
+    seed: int = param(1, 'seed of everything random', minimum=0, maximum=2**63 - 1)
+    duration: float = param(description='length of the experiment', unit='s', above=0.0)
+    phases: tuple[PhaseStep, ...] = param(description='phases in order, the first at 0 s')
+    disturbance: dict[str, Any] = param(dict, 'what shakes the lower plate; empty: nothing')
+    identifier: dict[str, Any] = param(dict, 'parameters of the strut identifiers')
+    controller: dict[str, Any] = param(dict, 'parameters of the strut controllers')
+    model_period: int = param(
+        50, 'samples between hand-overs of the model; 0: only at phase changes', minimum=0
+    )
+    analysis: AnalysisSettings = param(AnalysisSettings(), 'what the report looks at')
+
+    def check(self) -> None:
+        """Check the phases and what two keys would set twice."""
+        if not self.name or set(self.name) & set('/\\ '):
+            raise SatvibError(f'name: {self.name!r} cannot be part of a folder name')
+        if not self.phases:
+            raise SatvibError('phases: at least one is needed')
+        for section in ('identifier', 'controller'):
+            for key in _SHARED:
+                if key in getattr(self, section):
+                    source = 'model_period' if key == 'model_period' else 'the rig'
+                    raise SatvibError(f'{section}.{key}: {source} of the scenario sets it')
+        for name in ('off', 'on'):
+            window = getattr(self.analysis, name)
+            if window and window[1] > self.duration:
+                raise SatvibError(
+                    f'analysis.{name}: ends at {window[1]} s, after the {self.duration} s'
+                )
+
+    def plan(self, rate: float) -> PhasePlan:
+        """Give the phases by sample index.
+
+        Args:
+            rate: Hz, sample rate of the rig.
+
+        Raises:
+            SatvibError: phases out of order, or closer than a sample.
+        """
+        steps = [(Phase[step.phase], step.start) for step in self.phases]
+        return PhasePlan.from_seconds(steps, self.duration, rate)
+
+    def load_rig(self) -> Rig:
+        """Give the rig with its overrides applied."""
+        from satvib_plant_sim.rig import load_rig
+
+        return load_rig(self.rig, self.rig_overrides)
+
+    def make_disturbance(self) -> Disturbance:
+        """Give the disturbance."""
+        from satvib_plant_sim.disturbance import make_disturbance
+
+        return make_disturbance(self.disturbance or {'kind': 'none'})
+
+    def identifier_parameters(self, rate: float, lockstep: bool = True) -> IdentifierParameters:
+        """Give the parameters of every strut's identifier; `rate` in Hz."""
+        from satvib_ident.parameters import IdentifierParameters
+
+        return IdentifierParameters.from_mapping(
+            self.identifier | self._shared(rate, lockstep), f'scenario {self.name}: identifier'
+        )
+
+    def controller_parameters(self, rate: float, lockstep: bool = True) -> ControllerParameters:
+        """Give the parameters of every strut's controller; `rate` in Hz."""
+        from satvib_control.parameters import ControllerParameters
+
+        return ControllerParameters.from_mapping(
+            self.controller | self._shared(rate, lockstep), f'scenario {self.name}: controller'
+        )
+
+    def _shared(self, rate: float, lockstep: bool) -> dict[str, Any]:
+        values = (float(rate), lockstep, self.model_period)
+        return dict(zip(_SHARED, values, strict=True))
+
+    def open_loop(self) -> Scenario:
+        """Give the same experiment with every voltage zero: its open-loop twin."""
+        return self.replace(phases=(PhaseStep(phase='STANDBY', start=0.0),))
+
+
+def scenario_names() -> list[str]:
+    """Names of the scenarios that come with the package."""
+    return sorted(path.stem for path in FOLDER.glob('*.yaml'))
+
+
+def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scenario:
+    """Load a scenario and check all of it: its keys, rig, disturbance, identifier and controller.
+
+    Args:
+        name_or_path: a name of `scenario_names()`, or the path of a YAML file.
+        overrides: changes as 'key=value' with dots for nested keys; 'rig.payload.mass=12' changes the rig.
+
+    Raises:
+        SatvibError: no such scenario, or anything in it that is wrong.
+    """
+    path = scenario_path(name_or_path)
+    data = load_yaml(path)
+    if not isinstance(data, dict):
+        raise SatvibError(f'{path}: a mapping of keys is expected')
+    apply_overrides(data, overrides)
+    data.setdefault('name', path.stem)
+    scenario = Scenario.from_mapping(data, str(path))
+    rig = resolve_path(scenario.rig, path.parent)
+    scenario = scenario.replace(rig=rig)
+    check_scenario(scenario, str(path))
+    return scenario
+
+
+def scenario_path(name_or_path: str | Path) -> Path:
+    """Where a scenario is.
+
+    Raises:
+        SatvibError: neither a name of the package's nor a file.
+    """
+    text = str(name_or_path)
+    if not text.endswith(('.yaml', '.yml')) and '/' not in text:
+        if text not in scenario_names():
+            raise SatvibError(f'scenario {text}: {unknown_name(text, scenario_names())}')
+        return FOLDER / f'{text}.yaml'
+    return Path(text)
+
+
+def check_scenario(scenario: Scenario, where: str) -> None:
+    """Build every part of a scenario once, so that what is wrong shows before anything starts.
+
+    Raises:
+        SatvibError: the first thing that is wrong, `where` named.
+    """
+    try:
+        rig = scenario.load_rig()
+        rate = rig.sample_rate
+        scenario.plan(rate)
+        scenario.make_disturbance()
+        scenario.identifier_parameters(rate)
+        scenario.controller_parameters(rate)
+        reference = len(scenario.analysis.reference)
+        if reference not in {0, rig.struts}:
+            raise SatvibError(
+                f'analysis.reference: {reference} figures for the {rig.struts} struts of {rig.name}'
+            )
+    except SatvibError as error:
+        raise SatvibError(f'{where}: {error}') from None
