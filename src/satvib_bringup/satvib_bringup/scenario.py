@@ -47,15 +47,19 @@ class PhaseStep(Schema):
 class AnalysisSettings(Schema):
     """What the report looks at; what is left out is found from the phases and the disturbance."""
 
-    off: tuple[float, ...] = param((), 'window with the disturbance and without control', unit='s')
-    on: tuple[float, ...] = param((), 'window with the disturbance and settled control', unit='s')
+    uncontrolled: tuple[float, ...] = param(
+        (), 'window with the disturbance and without control', unit='s'
+    )
+    controlled: tuple[float, ...] = param(
+        (), 'window with the disturbance and settled control', unit='s'
+    )
     frequencies: tuple[float, ...] = param((), 'tones to look at', unit='Hz', above=0.0)
     reference: tuple[float, ...] = param((), 'attenuation to compare with, per strut', unit='dB')
     reference_source: str = param('', 'where those figures come from')
 
     def check(self) -> None:
         """Check the windows."""
-        for name in ('off', 'on'):
+        for name in ('uncontrolled', 'controlled'):
             window = getattr(self, name)
             if window and not (len(window) == 2 and 0.0 <= window[0] < window[1]):
                 raise SatvibError(f'{name}: a start and a later end are expected, not {window}')
@@ -91,7 +95,7 @@ class Scenario(Schema):
                 if key in getattr(self, section):
                     source = 'model_period' if key == 'model_period' else 'the rig'
                     raise SatvibError(f'{section}.{key}: {source} of the scenario sets it')
-        for name in ('off', 'on'):
+        for name in ('uncontrolled', 'controlled'):
             window = getattr(self.analysis, name)
             if window and window[1] > self.duration:
                 raise SatvibError(
