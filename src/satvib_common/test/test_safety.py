@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The guard, the phase plan and the sequence tracker. Truth: the rules stated in their docstrings."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from satvib_common.errors import SatvibError
+from satvib_common.guard import VoltageGuard
+from satvib_common.phases import Phase, PhasePlan
+from satvib_common.sequence import Arrival, SequenceTracker
+
+any_float = st.floats(allow_nan=True, allow_infinity=True)
+
+
+@given(st.lists(st.tuples(any_float, st.booleans()), min_size=1, max_size=60))
+def test_whatever_is_asked_the_voltage_stays_lawful(demands):
+    """Never beyond the limit, never faster than the slew limit except to 0 V, 0 V for ever after a fault."""
+    guard = VoltageGuard(20.0, 500.0, 0.01, (2,))
+    before, faulted = np.zeros(2), False
+    for demand, stop in demands:
+        out = guard.apply(np.array([demand, 1.0]), np.array([stop, False]))
+        faulted |= stop or not np.isfinite(demand)
+        assert np.all(np.isfinite(out.voltage))
+        assert np.all(np.abs(out.voltage) <= 20.0)
+        assert np.all((np.abs(out.voltage - before) <= 5.0 * (1 + 1e-12)) | (out.voltage == 0.0))
+        assert bool(out.fault[0]) is faulted
+        assert not faulted or out.voltage[0] == 0.0
+        assert not out.fault[1]
+        before = out.voltage
+
+
+def test_reset_releases_only_where_asked():
+    guard = VoltageGuard(20.0, np.inf, 0.01, (2,))
+    guard.apply(np.array([np.nan, np.nan]))
+    guard.reset(np.array([True, False]))
+    out = guard.apply(np.array([3.0, 3.0]))
+    np.testing.assert_array_equal(out.voltage, [3.0, 0.0])
+    np.testing.assert_array_equal(out.fault, [False, True])
+
+
+def test_saturation_is_told():
+    guard = VoltageGuard(2.0, np.inf, 0.01)
+    assert guard.apply(np.asarray(5.0)).saturated
+    assert not guard.apply(np.asarray(1.0)).saturated
+
+
+PAPER = PhasePlan.from_seconds(
+    [
+        (Phase.CALIBRATE, 0.0),
+        (Phase.IDENTIFY, 1.0),
+        (Phase.ADAPT, 3.0),
+        (Phase.STANDBY, 5.0),
+        (Phase.CONTROL, 10.0),
+    ],
+    25.0,
+    100.0,
+)
+
+
+def test_phases_of_the_paper():
+    """Truth: the times of the paper's experiment at 100 Hz."""
+    assert [PAPER.at(k) for k in (0, 99, 100, 299, 300, 500, 999, 1000, 2499)] == [
+        Phase.CALIBRATE, Phase.CALIBRATE, Phase.IDENTIFY, Phase.IDENTIFY, Phase.ADAPT,
+        Phase.STANDBY, Phase.STANDBY, Phase.CONTROL, Phase.CONTROL,
+    ]  # fmt: skip
+    assert PAPER.start_of(450) == 300
+    assert PAPER.first_of(Phase.CONTROL) == 1000
+    assert PAPER.end == 2500
+
+
+def test_handover_samples():
+    """Truth: the definition: phase changes to ADAPT and CONTROL, and every period after IDENTIFY began."""
+    assert [k for k in range(2500) if PAPER.handoff(k, 0)] == [300, 1000]
+    assert [k for k in range(420) if PAPER.handoff(k, 100)] == [200, 300, 400]
+    bare = PhasePlan((Phase.STANDBY, Phase.CONTROL), (0, 10))
+    assert not any(bare.handoff(k, 5) for k in range(100))
+
+
+@pytest.mark.parametrize(
+    ('phases', 'first', 'end', 'message'),
+    [
+        ((), (), 0, '0 phases'),
+        ((Phase.STANDBY,), (5,), 0, 'begins at sample 5'),
+        ((Phase.STANDBY, Phase.CONTROL), (0, 0), 0, 'begins at 0, not after 0'),
+        ((Phase.STANDBY, Phase.CONTROL), (0, 9), 9, 'ends at 9'),
+    ],
+)
+def test_a_plan_out_of_order_is_refused(phases, first, end, message):
+    with pytest.raises(SatvibError, match=message):
+        PhasePlan(phases, first, end)
+
+
+def test_sequence_tracker():
+    tracker = SequenceTracker()
+    seen = [tracker.see(k) for k in (5, 6, 9, 9, 8, 10, 0, 1)]
+    assert seen == [
+        Arrival.FIRST, Arrival.NEXT, Arrival.GAP, Arrival.REPEAT, Arrival.REPEAT, Arrival.NEXT,
+        Arrival.RESTART, Arrival.NEXT,
+    ]  # fmt: skip
+    assert (tracker.lost, tracker.repeats, tracker.restarts) == (2, 2, 1)
