@@ -33,6 +33,12 @@ FOLDER = Path(__file__).parent / 'scenarios'
 
 # What the scenario gives to every node itself, so that no two of them can disagree.
 _SHARED = ('sample_rate', 'lockstep', 'model_period')
+_SET_BY = {
+    'sample_rate': 'the rig sets it, acquisition.sample_rate',
+    'lockstep': 'the way of running sets it',
+    'model_period': 'set the model_period of the scenario, for all nodes at once',
+    'strut': 'every strut gets its own',
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,10 +97,9 @@ class Scenario(Schema):
         if not self.phases:
             raise SatvibError('phases: at least one is needed')
         for section in ('identifier', 'controller'):
-            for key in _SHARED:
+            for key in (*_SHARED, 'strut'):
                 if key in getattr(self, section):
-                    source = 'model_period' if key == 'model_period' else 'the rig'
-                    raise SatvibError(f'{section}.{key}: {source} of the scenario sets it')
+                    raise SatvibError(f'{section}.{key}: {_SET_BY[key]}')
         for name in ('uncontrolled', 'controlled'):
             window = getattr(self.analysis, name)
             if window and window[1] > self.duration:
@@ -134,21 +139,20 @@ class Scenario(Schema):
             self.identifier | self._shared(rate, lockstep), f'scenario {self.name}: identifier'
         )
 
-    def controller_parameters(self, rate: float, lockstep: bool = True) -> ControllerParameters:
-        """Give the parameters of every strut's controller; `rate` in Hz."""
+    def controller_parameters(
+        self, rate: float, lockstep: bool = True, strut: int = 0
+    ) -> ControllerParameters:
+        """Give the parameters of a strut's controller; `rate` in Hz, `strut` counts from 0."""
         from satvib_control.parameters import ControllerParameters
 
         return ControllerParameters.from_mapping(
-            self.controller | self._shared(rate, lockstep), f'scenario {self.name}: controller'
+            self.controller | self._shared(rate, lockstep) | {'strut': strut},
+            f'scenario {self.name}: controller',
         )
 
     def _shared(self, rate: float, lockstep: bool) -> dict[str, Any]:
         values = (float(rate), lockstep, self.model_period)
         return dict(zip(_SHARED, values, strict=True))
-
-    def open_loop(self) -> Scenario:
-        """Give the same experiment with every voltage zero: its open-loop twin."""
-        return self.replace(phases=(PhaseStep(phase='STANDBY', start=0.0),))
 
 
 def scenario_names() -> list[str]:
@@ -201,15 +205,15 @@ def check_scenario(scenario: Scenario, where: str) -> None:
     """
     try:
         rig = scenario.load_rig()
-        rate = rig.sample_rate
+        rate = rig.acquisition.sample_rate
         scenario.plan(rate)
         scenario.make_disturbance()
         scenario.identifier_parameters(rate)
         scenario.controller_parameters(rate)
         reference = len(scenario.analysis.reference)
-        if reference not in {0, rig.struts}:
+        if reference not in {0, rig.struts.count}:
             raise SatvibError(
-                f'analysis.reference: {reference} figures for the {rig.struts} struts of {rig.name}'
+                f'analysis.reference: {reference} figures for the {rig.struts.count} struts of {rig.name}'
             )
     except SatvibError as error:
         raise SatvibError(f'{where}: {error}') from None

@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Takes down what the offline twin does, in the fields of the messages that the live graph would publish."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from satvib_control.reasons import text_of
+
+from satvib_bringup.recording import Group, Recording
+
+if TYPE_CHECKING:
+    from satvib_bringup.closed_loop import ClosedLoop, LoopStep
+
+SAMPLE = ('upper', 'lower')
+VOLTAGE = ('voltage', 'saturated', 'fault')
+MODEL = (
+    'a', 'b', 'standard_deviation', 'covariance', 'prediction_error', 'noise_variance', 'bias',
+    'updates', 'excitation_order', 'information_eigenvalue', 'information_condition', 'whiteness',
+    'pole_modulus', 'converged', 'reason',
+)  # fmt: skip
+STATE = (
+    'reference', 'model_output', 'error', 'output', 'voltage', 'kp', 'ki', 'kd', 'ki_min', 'ki_max',
+    'sensitivity', 'weight_norm', 'frequency', 'upper_rms', 'bias_upper', 'bias_lower', 'adapting',
+    'saturated', 'fault', 'reason',
+)  # fmt: skip
+TRUTH = ('upper', 'lower', 'stroke', 'stroke_peak', 'force_peak', 'current')
+
+
+class LoopRecorder:
+    """Arrays of (samples, *shape, struts, ...), filled sample by sample.
+
+    Args:
+        loop: the loop to be recorded.
+        truth: keep the fine samples of the truth.
+    """
+
+    def __init__(self, loop: ClosedLoop, truth: bool = True) -> None:
+        self.loop = loop
+        self.truth = truth
+        self._arrays: dict[tuple[str, str], NDArray[Any]] = {}
+
+    def add(self, step: LoopStep) -> None:
+        """Take down one sample."""
+        k = step.sequence
+        self._put(k, 'acceleration', SAMPLE, step.sample)
+        self._put(k, 'voltage', VOLTAGE, step.output)
+        self._put(k, 'model', MODEL, step.identification)
+        self._put(k, 'state', STATE, step.output.state)
+        if self.truth:
+            self._put(k, 'truth', TRUTH, step.truth)
+
+    def _put(self, k: int, group: str, names: tuple[str, ...], values: Any) -> None:
+        for name in names:
+            value = np.asarray(getattr(values, name))
+            array = self._arrays.get((group, name))
+            if array is None:
+                array = np.zeros((self.loop.plan.end, *value.shape), dtype=value.dtype)
+                self._arrays[group, name] = array
+            array[k] = value
+
+    def recordings(self) -> list[Recording]:
+        """Give one recording per trial."""
+        loop = self.loop
+        return [self._recording(trial) for trial in range(len(loop.scenarios))]
+
+    def _recording(self, trial: int) -> Recording:
+        loop = self.loop
+        groups: dict[str, Group] = {}
+        for (group, name), array in self._arrays.items():
+            picked = array[:, trial] if loop.shape else array
+            if name == 'reason':
+                codes, inverse = np.unique(picked, return_inverse=True)
+                texts = np.array([text_of(code) for code in codes])
+                picked = texts[inverse.reshape(picked.shape)]
+            groups.setdefault(group, {})[name] = picked
+        end, struts = loop.plan.end, loop.plant.struts
+        for group in groups.values():
+            group['present'] = np.ones((end, struts), dtype=bool)
+        dt = loop.plant.dt
+        scenario = loop.scenarios[trial]
+        return Recording(
+            struts=tuple(f'strut_{i + 1}' for i in range(struts)),
+            sample_period=dt,
+            plan=loop.plan,
+            sequence=np.arange(end, dtype=np.int64),
+            stamp=np.array([round(k * dt * 1e9) for k in range(end)], dtype=np.int64),
+            groups=groups,
+            scenario=scenario,
+            rig=loop.rigs[trial],
+            seed=scenario.seed,
+            source=f'simulation of {scenario.name}',
+        )
