@@ -1,0 +1,31 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""No forgetting: lambda = 1, every sample counts alike; the batch least-squares solution of Eq. (8)."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from satvib_ident.forgetting.protocol import Factors
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+class NoForgetting:
+    """lambda = 1. Also the base of the other rules: it has nothing to bind and nothing to reset."""
+
+    def bind(self, estimator: Factors) -> None:
+        """Nothing to prepare."""
+
+    def apply(
+        self,
+        estimator: Factors,  # noqa: ARG002
+        w: Array,  # noqa: ARG002
+        error: Array,  # noqa: ARG002
+        active: Mask,
+    ) -> tuple[Array | float, Mask]:
+        """Leave everything as it is."""
+        return 1.0, active
+
+    def reset(self, mask: Mask) -> None:
+        """Nothing to forget."""

@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Recursive least squares, Theorem 4.1 (Eqs. 25-27), with a choice of forgetting.
+
+    e(k)     = y(k) - w(k)^T theta(k-1)
+    K(k)     = Pb w (1 + w^T Pb w)^-1
+    theta(k) = theta(k-1) + K(k) e(k)
+    P(k)     = (I - K(k) w^T) Pb
+
+where Pb is P(k-1) after forgetting (`satvib_ident.forgetting`); P is kept as U D U^T (`satvib_ident.ud`). The
+variance of the noise comes along:
+
+    S(k) = lambda S(k-1) + e(k)^2 / (1 + w^T Pb w),   N(k) = lambda N(k-1) + 1,   s^2 = S / (N - p)
+
+S is the least-squares sum of residuals itself (for lambda = 1, without the prior), so the covariance of theta is s^2
+P.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from satvib_common.errors import SatvibError
+
+from satvib_ident import ud
+from satvib_ident.forgetting import Forgetting, NoForgetting
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+class RecursiveLeastSquares:
+    """Theorem 4.1 for every item of `shape`.
+
+    Args:
+        count: number of parameters p.
+        shape: leading axes.
+        forgetting: what happens to old data; none by default.
+        initial_covariance: P(0) as a scalar or (p) diagonal, per unit of noise variance. Large: the data alone
+        decide. initial_theta: theta(0), (p); zeros by default.
+        limit: largest trace of P that forgetting may reach; the initial trace by default.
+
+    Attributes:
+        theta: (*shape, p).
+        updates: (shape) samples used.
+        refused: (shape) samples refused because they were not finite or too large to square.
+
+    Raises:
+        SatvibError: a count of zero, or an initial covariance that is not positive.
+    """
+
+    def __init__(
+        self,
+        count: int,
+        shape: tuple[int, ...] = (),
+        forgetting: Forgetting | None = None,
+        initial_covariance: ArrayLike = 1e18,
+        initial_theta: ArrayLike = 0.0,
+        limit: float = 0.0,
+    ) -> None:
+        if count < 1:
+            raise SatvibError(f'estimator: {count} parameters; at least one is needed')
+        self._P0 = np.broadcast_to(np.asarray(initial_covariance, dtype=float), (count,)).copy()
+        if not (np.isfinite(self._P0).all() and (self._P0 > 0.0).all()):
+            raise SatvibError(f'initial_covariance: {self._P0.tolist()} is not positive')
+        theta = np.asarray(initial_theta, dtype=float)
+        if theta.size not in {1, count} or not np.isfinite(theta).all():
+            raise SatvibError(f'initial_theta: {count} finite numbers are expected')
+        self._theta0 = np.broadcast_to(theta, (count,)).copy()
+        self.count, self.shape = count, shape
+        self.limit = limit if limit > 0.0 else float(self._P0.sum())
+        self.forgetting: Forgetting = forgetting if forgetting is not None else NoForgetting()
+        self.theta = np.broadcast_to(self._theta0, (*shape, count)).copy()
+        self.U, self.d = ud.fresh(self._P0, shape)
+        self.updates = np.zeros(shape)
+        self.refused = np.zeros(shape)
+        self._residuals = np.zeros(shape)
+        self._weight = np.zeros(shape)
+        self.forgetting.bind(self)
+
+    def update(self, w: Array, y: Array, active: Mask | bool = True) -> Array:
+        """Take one sample.
+
+        Args:
+            w: (*shape, p) regressor; finite where `active`.
+            y: (shape) output.
+            active: (shape) whether to use the sample.
+
+        Returns:
+            Prediction error (shape), before the update, also where inactive.
+        """
+        error: Array = y - ud.dot(w, self.theta)
+        self.correct(w, error, active)
+        return error
+
+    def correct(self, w: Array, error: Array, active: Mask | bool = True) -> Array:
+        """Update along `w` (*shape, p) for an error (shape) made elsewhere; gives alpha (shape)."""
+        use = np.isfinite(error) & active
+        error = np.where(use, error, 0.0)
+        forgotten, use = self.forgetting.apply(self, w, error, use)
+        _, alpha = ud.measure(w, error, forgotten, self.limit, use, self.theta, self.U, self.d)
+        used = alpha > 0.0
+        keep = np.where(used, forgotten, 1.0)
+        share = np.where(used, error * error / np.where(used, alpha, 1.0), 0.0)
+        self._residuals = keep * self._residuals + share
+        self._weight = keep * self._weight + used
+        self.updates = self.updates + used
+        self.refused = self.refused + (alpha < 0.0)
+        return np.asarray(alpha)
+
+    @property
+    def P(self) -> Array:  # noqa: N802
+        """Covariance per unit of noise variance, (*shape, p, p), symmetric to the last bit."""
+        return ud.covariance(self.U, self.d)
+
+    @property
+    def noise_variance(self) -> Array:
+        """Estimated variance of the prediction error, (shape); NaN until there are more samples than parameters."""
+        freedom = self._weight - self.count
+        return np.where(
+            freedom > 0.0, self._residuals / np.where(freedom > 0.0, freedom, 1.0), np.nan
+        )
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of theta, (*shape, p, p): the noise variance times P."""
+        return np.asarray(self.noise_variance)[..., None, None] * self.P
+
+    def reset(self, mask: Mask | bool = True) -> None:
+        """Begin anew where `mask` (shape) holds: theta(0), P(0), no memory."""
+        mask = np.asarray(mask)
+        self.theta[...] = np.where(mask[..., None], self._theta0, self.theta)
+        self.reset_covariance(mask)
+        self.updates = np.where(mask, 0.0, self.updates)
+        self._residuals = np.where(mask, 0.0, self._residuals)
+        self._weight = np.where(mask, 0.0, self._weight)
+        self.forgetting.reset(mask)
+
+    def reset_covariance(self, mask: Mask | bool = True) -> None:
+        """P <- P(0) where `mask` (shape) holds; the estimate stays."""
+        mask = np.asarray(mask)
+        self.U[...] = np.where(mask[..., None, None], np.eye(self.count), self.U)
+        self.d[...] = np.where(mask[..., None], self._P0, self.d)
+
+    def interrupt(self, mask: Mask | bool = True) -> None:
+        """Tell that the samples stopped following one another where `mask` holds; least squares keeps no signals."""
