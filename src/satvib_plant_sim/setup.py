@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
 from setuptools import find_packages, setup
 
 NAME = 'satvib_plant_sim'
@@ -11,9 +13,11 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
+        (f'share/{NAME}/rigs', sorted(map(str, Path(NAME, 'rigs').glob('*.yaml')))),
     ],
+    package_data={NAME: ['py.typed', 'rigs/*.yaml']},
     install_requires=['setuptools'],
-    zip_safe=True,
+    zip_safe=False,
     maintainer='satvib maintainers',
     maintainer_email='maintainers@satvib.invalid',
     description='Simulated 3-DOF and 1-DOF vibration isolators',

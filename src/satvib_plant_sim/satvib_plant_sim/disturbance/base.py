@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What every kind of disturbance shares.
+
+A disturbance is a function of the fine index alone: with h the fine period, t = (n - n_start) h and n_start the fine
+point nearest to `start`. So any sample can be asked for in any order and gives the same bits. It acts on the base
+(acceleration of the shaker's source, m/s^2) or as a force on the payload (N).
+
+The amplitude of a kind with fixed frequencies is the *lower plate's* acceleration with control off: each tone is
+divided by |T(jw)|, T from the source to the lower plate of the rig at 0 V. T is 1 within a few per cent below 100 Hz
+for the rigs here, and kinds without fixed frequencies are not corrected.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from satvib_common.errors import SatvibError
+from satvib_common.schema import Schema, param
+
+Array = NDArray[np.float64]
+Transfer = Callable[[float], float]
+
+
+class Bank(Protocol):
+    """Disturbances of one kind, one per row."""
+
+    def evaluate(self, first: int, grid: Array) -> Array:
+        """Give the values (rows, len(grid)) at the fine indices first + grid."""
+        ...
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Fine time: `period` in s."""
+
+    period: float
+
+    def index(self, t: float | None) -> float:
+        """Fine index nearest to t (s); None is never."""
+        return np.inf if t is None else float(round(t / self.period))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Disturbance(Schema):
+    """Base of the kinds; each is a sibling file.
+
+    Subclasses give `values()`, the numbers of their kernel, and `KERNEL`, which takes
+    (start, stop, period, *values) (p), first (), grid (f) and gives (f).
+    """
+
+    kind: str = param('none', 'kind')
+    start: float = param(0.0, 'begins', unit='s', minimum=0.0)
+    stop: float | None = param(None, 'ends; none: never', unit='s')
+    target: str = param('base', 'what it acts on', choices=('base', 'payload'))
+
+    KERNEL: ClassVar[Any] = None
+
+    def check(self) -> None:
+        """Refuse an end before the beginning."""
+        if self.stop is not None and self.stop <= self.start:
+            raise SatvibError(f'stop: {self.stop} s is not after start, {self.start} s')
+
+    def tones(self) -> tuple[float, ...]:
+        """Give the fixed frequencies, Hz; empty for a kind without any."""
+        return ()
+
+    def parts(self) -> tuple['Disturbance', ...]:
+        """Give the disturbances that add up to this one."""
+        return (self,)
+
+    def values(self, transfer: Transfer) -> list[float]:
+        """Give the kernel's numbers; `transfer(f)` is |T| at f Hz (1 for a force)."""
+        raise NotImplementedError
+
+    @classmethod
+    def bank(
+        cls,
+        settings: Sequence['Disturbance'],
+        seeds: Sequence[int],  # noqa: ARG003 - for the kinds that draw
+        clock: Clock,
+        transfers: Sequence[Transfer],
+    ) -> Bank:
+        """Put disturbances of this kind, one per row, into one evaluator."""
+        rows = [
+            [clock.index(s.start), clock.index(s.stop), clock.period, *s.values(t)]
+            for s, t in zip(settings, transfers, strict=True)
+        ]
+        width = max(len(row) for row in rows)
+        table = np.array([row + [0.0] * (width - len(row)) for row in rows])
+        return KernelBank(cls.KERNEL, table)
+
+
+class KernelBank:
+    """Evaluates a kernel over its rows."""
+
+    def __init__(self, function: Any, table: Array) -> None:
+        self._function = function
+        self._table = table
+
+    def evaluate(self, first: int, grid: Array) -> Array:
+        """Give the values (rows, len(grid)) at the fine indices first + grid."""
+        result: Array = self._function(self._table, float(first), grid)
+        return result

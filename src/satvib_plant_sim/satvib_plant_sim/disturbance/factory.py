@@ -1,0 +1,45 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Disturbances by name, every key checked."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from satvib_common.errors import SatvibError
+
+from satvib_plant_sim.disturbance.base import Disturbance
+from satvib_plant_sim.disturbance.silence import Silence
+from satvib_plant_sim.disturbance.sine import Sine
+
+_KINDS: dict[str, type[Disturbance]] = {
+    'none': Silence,
+    'sine': Sine,
+}
+
+
+def disturbance_kinds() -> list[str]:
+    """Give the names of the kinds."""
+    return list(_KINDS)
+
+
+def make_disturbance(settings: Any, where: str = 'disturbance') -> Disturbance:
+    """Build a disturbance from plain data (as YAML gives it), or give back one that is built already.
+
+    Args:
+        settings: a mapping with `kind` and the kind's own keys; None is no disturbance.
+        where: the start of the message when something is wrong.
+
+    Raises:
+        SatvibError: an unknown kind or key, a wrong type, a value out of range.
+    """
+    if settings is None:
+        return Silence()
+    if isinstance(settings, Disturbance):
+        return settings
+    if not isinstance(settings, Mapping):
+        raise SatvibError(f'{where}: a mapping with the key kind is expected, not {settings!r}')
+    kind = settings.get('kind')
+    if kind not in _KINDS:
+        what = 'kind: missing' if kind is None else f'kind: {kind!r} is not known'
+        raise SatvibError(f'{where}: {what} (kinds: {", ".join(_KINDS)})')
+    return _KINDS[kind].from_mapping(settings, where)

@@ -1,0 +1,16 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""No disturbance."""
+
+from dataclasses import dataclass
+
+from satvib_plant_sim.disturbance.base import Disturbance
+
+
+@dataclass(frozen=True, kw_only=True)
+class Silence(Disturbance):
+    """Nothing."""
+
+    def parts(self) -> tuple[Disturbance, ...]:
+        """Nothing to add."""
+        return ()

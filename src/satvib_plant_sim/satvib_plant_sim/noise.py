@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Sensor noise at the converter: white noise through the sensor chain, sampled exactly.
+
+The chain is linear, so noise has states of its own and truth stays free of it. Between samples
+
+    x(k+1) = E x(k) + L xi(k),   E = exp(A T),   L L' = int_0^T exp(A r) b q b' exp(A' r) dr
+
+(Van Loan 1978, IEEE Trans. Automatic Control 23, 395), xi standard normal. The first state is drawn from the
+stationary covariance A P + P A' + b q b' = 0, so there is no start-up.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, expm, solve_continuous_lyapunov
+
+from satvib_plant_sim.rig import Rig
+from satvib_plant_sim.sensor_chain import noise_intensity, sensor_chain
+
+Array = NDArray[np.float64]
+BLOCK = 128
+
+
+def noise_covariance(rig: Rig) -> Array:
+    """Give the stationary covariance (c, c) of a chain's noise states; the last is the converter's input."""
+    A, b, _ = sensor_chain(rig)
+    covariance: Array = solve_continuous_lyapunov(A, -noise_intensity(rig) * np.outer(b, b))
+    return 0.5 * (covariance + covariance.T)
+
+
+def noise_floor(rig: Rig) -> float:
+    """Give what one channel reads at rest, RMS about its mean, m/s^2: sensor noise and quantization (lsb^2 / 12)."""
+    lsb = quantum(rig)
+    return float(np.sqrt(noise_covariance(rig)[-1, -1] + lsb * lsb / 12.0))
+
+
+def quantum(rig: Rig) -> float:
+    """Give the least significant bit of the input converter, m/s^2; 0 when it is exact."""
+    acquisition = rig.acquisition
+    if acquisition.input_bits == 0:
+        return 0.0
+    volts = 2.0 * acquisition.input_range / 2.0**acquisition.input_bits
+    return volts / rig.accelerometer.sensitivity
+
+
+def _factor(covariance: Array) -> Array:
+    """Lower Cholesky factor; all zero without noise."""
+    scale = float(np.max(np.abs(covariance)))
+    if scale == 0.0:
+        return np.zeros_like(covariance)
+    # the far stages of a short step hardly move: keep the factorization defined at rounding level
+    tiny = np.eye(len(covariance)) * 1e-15
+    factor: Array = cholesky(covariance / scale + tiny, lower=True) * np.sqrt(scale)
+    return factor
+
+
+def noise_model(rig: Rig) -> tuple[Array, Array, Array]:
+    """Give E, L and the factor of the stationary covariance, each (c, c)."""
+    A, b, _ = sensor_chain(rig)
+    c = len(b)
+    T = rig.acquisition.period
+    big = np.zeros((2 * c, 2 * c))
+    big[:c, :c], big[:c, c:], big[c:, c:] = -A, noise_intensity(rig) * np.outer(b, b), A.T
+    F = expm(big * T)
+    E = F[c:, c:].T
+    Q = E @ F[:c, c:]
+    return E, _factor(0.5 * (Q + Q.T)), _factor(noise_covariance(rig))
+
+
+class NormalSource:
+    """Standard normal numbers by sample index, from `default_rng([seed, stream, block])` per trial.
+
+    A block of 128 samples per trial is held: 1 kB per number of a sample and trial.
+
+    Args:
+        seeds: one per trial.
+        stream: tells the uses of a seed apart.
+        width: numbers per sample.
+    """
+
+    def __init__(self, seeds: list[int], stream: int, width: int) -> None:
+        self._seeds = seeds
+        self._stream = stream
+        self._numbers = np.empty((BLOCK, len(seeds), width))
+        self._block = -1
+
+    def at(self, k: int) -> Array:
+        """Give the numbers (trials, width) of sample k."""
+        block, row = divmod(k, BLOCK)
+        if block != self._block:
+            self._block = block
+            shape = (BLOCK, self._numbers.shape[2])
+            for i, seed in enumerate(self._seeds):
+                rng = np.random.default_rng([seed, self._stream, block])
+                self._numbers[:, i] = rng.standard_normal(shape)
+        row_of: Array = self._numbers[row]
+        return row_of

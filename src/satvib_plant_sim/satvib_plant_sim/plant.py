@@ -1,0 +1,275 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The plant: what the board reads and what a voltage does, for one rig or for thousands.
+
+plant = Plant(load_rig('paper_3dof'), make_disturbance({...}), seed=1)
+sample = plant.sample()              # .sequence, .upper, .lower
+truth = plant.advance(voltage)       # noise-free, between this sample and the next
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from satvib_common.errors import SatvibError
+
+from satvib_plant_sim.converters import (
+    advance_noise,
+    drawn_bias,
+    drive_output,
+    input_settings,
+    output_settings,
+    read_input,
+)
+from satvib_plant_sim.discretize import Discrete, discretize
+from satvib_plant_sim.disturbance import Disturbance
+from satvib_plant_sim.disturbance.mixer import Mixer
+from satvib_plant_sim.noise import NormalSource, noise_model
+from satvib_plant_sim.period import advance_period
+from satvib_plant_sim.response import source_transfer
+from satvib_plant_sim.rig import Rig
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What the acquisition reads at one instant.
+
+    Attributes:
+        sequence: index of the sample.
+        upper, lower: (*shape, struts) m/s^2, with bias, noise and quantization.
+    """
+
+    sequence: int
+    upper: Array
+    lower: Array
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What really happened from one sample to the next.
+
+    Attributes:
+        upper, lower: (*shape, struts, n_fine) m/s^2 at the fine points, the first at the sample; right limits.
+        stroke: (*shape, struts) m, at the sample.
+        stroke_peak: (*shape, struts) m, largest magnitude in the period.
+        force_peak: (*shape, struts) N, largest magnitude of the coil's force in the period.
+        current: (*shape, struts) A, at the sample.
+    """
+
+    upper: Array
+    lower: Array
+    stroke: Array
+    stroke_peak: Array
+    force_peak: Array
+    current: Array
+
+
+class Plant:
+    """Simulated rigs, sample by sample.
+
+    Args:
+        rig, disturbance, seed: one each for a plant of shape (); sequences of equal length for a batch of trials, of
+            which single ones are shared. All rigs of a batch agree in struts, sample rate, fine steps and the order
+            of the anti-alias filter.
+
+    Raises:
+        SatvibError: lengths or rigs that do not agree, a seed below 0.
+    """
+
+    def __init__(
+        self,
+        rig: Rig | Sequence[Rig],
+        disturbance: Disturbance | Sequence[Disturbance],
+        seed: int | Sequence[int],
+    ) -> None:
+        rigs, disturbances, seeds, self.shape = _trials(rig, disturbance, seed)
+        self.rigs = tuple(rigs)
+        first = rigs[0]
+        designs = [discretize(r) for r in rigs]
+        _agree(rigs)
+        self.struts = first.struts.count
+        self.dt = first.acquisition.period
+        self.n_fine = first.acquisition.fine_steps
+        self.fine_period = self.dt / self.n_fine
+        self.sequence = 0
+
+        trials, n = len(rigs), self.struts
+        self._mixer = Mixer(
+            disturbances,
+            seeds,
+            [partial(source_transfer, r) for r in rigs],
+            self.fine_period,
+            self.n_fine,
+        )
+        used = 3 * n + 4 + 2 * self._mixer.channels
+        self._columns = _stack(designs, 'step')[:, : -(-used // 4) * 4].copy()
+        self._constants = [
+            _stack(designs, name)
+            for name in (
+                'chain',
+                'hold',
+                'force',
+                'strut',
+                'inertia',
+                'point',
+                'shaker',
+                'stop',
+                'theta',
+            )
+        ]
+        self._linear = np.array([float(r.acquisition.hold == 'linear') for r in rigs])
+        delays = np.array([d.delay for d in designs])
+        self._periods_late = delays[:, 0]
+        self._event = np.repeat(delays[:, None, 1:].astype(float), n, axis=1)
+        self._queue = np.zeros((int(self._periods_late.max()) + 1, trials, n))
+
+        self._state = np.zeros((trials, designs[0].force.shape[1]))
+        self._ramp = np.zeros((trials, n, 4))
+        self._ramp[:, :, 2] = -2.0 * self.n_fine
+        self._input = np.array([input_settings(r) for r in rigs])
+        self._output = np.array([output_settings(r) for r in rigs])
+        self._bias = np.array([drawn_bias(r, s) for r, s in zip(rigs, seeds, strict=True)])
+        models = [noise_model(r) for r in rigs]
+        self._E, self._L = np.stack([m[0] for m in models]), np.stack([m[1] for m in models])
+        self._stages = self._E.shape[-1]
+        self._normal = NormalSource(seeds, 1, 2 * n * self._stages)
+        self._noise = np.zeros((trials, 2 * n, self._stages))
+        start = np.stack([m[2] for m in models])
+        advance_noise(np.zeros_like(start), start, self._normals(0), self._noise)
+        self.terminal_voltage = np.zeros((*self.shape, n))
+
+    def _normals(self, k: int) -> Array:
+        return self._normal.at(k).reshape(len(self.rigs), 2 * self.struts, self._stages)
+
+    def sample(self) -> Sample:
+        """Read the converters at the present sample; asking again gives the same."""
+        reading = read_input(self._state, self._input, self._bias, self._noise)
+        n = self.struts
+        shape = (*self.shape, n)
+        return Sample(self.sequence, reading[:, :n].reshape(shape), reading[:, n:].reshape(shape))
+
+    def advance(self, voltage: ArrayLike, arrival: ArrayLike | None = None) -> Truth:
+        """Go on to the next sample.
+
+        Args:
+            voltage: (*shape, struts) V, computed from the present sample; limited and quantized as the rig says.
+            arrival: (*shape, struts) or less, s after the present sample, when it takes effect; in realtime, where
+                it is measured. Limited to the period and rounded to the fine grid. None: the rig's `input_delay`,
+                which may be longer than a period.
+
+        Returns:
+            The truth from the present sample to the next.
+
+        Raises:
+            SatvibError: a voltage that is not a finite number, or of the wrong shape.
+        """
+        trials, n = len(self.rigs), self.struts
+        asked = np.asarray(voltage, dtype=float)
+        if asked.shape != (*self.shape, n):
+            raise SatvibError(f'voltage: shape {asked.shape}, not {(*self.shape, n)}')
+        if not np.isfinite(asked).all():
+            where = np.argwhere(~np.isfinite(asked))[0]
+            raise SatvibError(
+                f'voltage: {asked[tuple(where)]} for strut {where[-1] + 1} at sample {self.sequence}'
+            )
+        terminal = drive_output(asked.reshape(trials, n), self._output)
+        self.terminal_voltage = terminal.reshape(*self.shape, n)
+        k = self.sequence
+        if arrival is None:
+            depth = len(self._queue)
+            self._queue[k % depth] = terminal
+            command = self._queue[(k - self._periods_late) % depth, np.arange(trials)]
+            event = self._event
+        else:
+            command = terminal
+            steps = np.asarray(arrival, dtype=float) / self.fine_period
+            event = np.zeros((trials, n, 2))
+            event[..., 0] = (
+                np.clip(np.rint(steps), 0, self.n_fine).reshape(-1, n)
+                if (steps.ndim)
+                else float(np.clip(np.rint(steps), 0, self.n_fine))
+            )
+        upper = np.empty((trials, n, self.n_fine))
+        lower = np.empty((trials, self.n_fine))
+        chain, hold, force, strut, inertia, point, shaker, stop, theta = self._constants
+        summary = advance_period(
+            self._columns,
+            chain,
+            hold,
+            force,
+            strut,
+            inertia,
+            point,
+            shaker,
+            stop,
+            theta,
+            command,
+            event,
+            self._linear,
+            self._mixer.period(k),
+            self._ramp,
+            self._state,
+            upper,
+            lower,
+        )
+        self.sequence = k + 1
+        advance_noise(self._E, self._L, self._normals(k + 1), self._noise)
+        shape = (*self.shape, n)
+        fine = (*shape, self.n_fine)
+        below = np.broadcast_to(lower.reshape(*self.shape, 1, self.n_fine), fine)
+        stroke, peak, pull, current = (summary[:, i].reshape(shape) for i in range(4))
+        return Truth(upper.reshape(fine), below, stroke, peak, pull, current)
+
+
+def _trials(
+    rig: Rig | Sequence[Rig],
+    disturbance: Disturbance | Sequence[Disturbance],
+    seed: int | Sequence[int],
+) -> tuple[list[Rig], list[Disturbance], list[int], tuple[int, ...]]:
+    """Bring the three to one length; shape () when all are single."""
+    rigs = [rig] if isinstance(rig, Rig) else list(rig)
+    disturbances = [disturbance] if isinstance(disturbance, Disturbance) else list(disturbance)
+    seeds = [int(seed)] if isinstance(seed, int | np.integer) else [int(s) for s in seed]
+    told = f'{len(rigs)} rigs, {len(disturbances)} disturbances and {len(seeds)} seeds'
+    count = max(len(rigs), len(disturbances), len(seeds))
+    single = (
+        isinstance(rig, Rig)
+        and isinstance(disturbance, Disturbance)
+        and isinstance(seed, int | np.integer)
+    )
+    if {len(rigs), len(disturbances), len(seeds)} - {1, count} or 0 in {
+        len(rigs),
+        len(disturbances),
+        len(seeds),
+    }:
+        raise SatvibError(f'plant: {told} do not make a batch')
+    if min(seeds) < 0:
+        raise SatvibError(f'plant: seed {min(seeds)} is less than 0')
+    return (
+        rigs * (count // len(rigs)),
+        disturbances * (count // len(disturbances)),
+        seeds * (count // len(seeds)),
+        () if single else (count,),
+    )
+
+
+def _agree(rigs: Sequence[Rig]) -> None:
+    """Refuse a batch whose trials do not run in step."""
+    kinds: dict[str, set[float]] = {
+        'struts.count': {r.struts.count for r in rigs},
+        'acquisition.sample_rate': {r.acquisition.sample_rate for r in rigs},
+        'acquisition.fine_rate (as fine steps)': {r.acquisition.fine_steps for r in rigs},
+        'acquisition.filter_order': {r.acquisition.filter_order for r in rigs},
+    }
+    for label, values in kinds.items():
+        if len(values) > 1:
+            told = ', '.join(map(str, sorted(values)))
+            raise SatvibError(f'plant: the rigs of a batch differ in {label}: {told}')
+
+
+def _stack(designs: Sequence[Discrete], name: str) -> Array:
+    return np.stack([np.asarray(getattr(d, name)) for d in designs])

@@ -1,0 +1,244 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a rig is made of: a checked description, from YAML.
+
+rig = load_rig('paper_3dof', {'payload.mass': 12.0, 'acquisition.hold': 'linear'})
+
+The rigs that come with the package are `rigs/*.yaml`; a path names a file of one's own. The equations that these
+numbers enter are in `mechanics`, `sensor_chain` and `period`.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from satvib_common.errors import SatvibError
+from satvib_common.schema import Schema, load_yaml, param, parse_yaml
+
+
+@dataclass(frozen=True, kw_only=True)
+class Payload(Schema):
+    """The rigid upper plate with what sits on it; w, alpha and beta are its motions (the paper's Fig. 1)."""
+
+    mass: float = param(description='mass, coils included', unit='kg', above=0.0)
+    inertia: float | None = param(
+        None, 'moment of inertia about x and about y; none: 0.55 m r^2', unit='kg m^2', above=0.0
+    )
+    force_x: float = param(0.0, 'where a disturbance force acts on the payload, x', unit='m')
+    force_y: float = param(0.0, 'where a disturbance force acts on the payload, y', unit='m')
+
+
+@dataclass(frozen=True, kw_only=True)
+class Struts(Schema):
+    """Spring and damper of each strut (K_i and C_i of the paper's Fig. 2), and where the struts stand."""
+
+    count: int = param(description='struts: 3 move w, alpha, beta; 1 moves w', choices=(1, 3))
+    radius: float = param(0.15, 'distance of a strut from the axis', unit='m', above=0.0)
+    first_angle: float = param(90.0, 'angle of strut 1 from x; the others evenly on', unit='deg')
+    stiffness: float = param(description='stiffness of one strut', unit='N/m', above=0.0)
+    stiffness_scale: tuple[float, ...] = param(
+        (1.0, 1.0, 1.0), 'factor on the stiffness, strut by strut', above=0.0
+    )
+    damping: float = param(description='mechanical damping of one strut', unit='N s/m', minimum=0.0)
+    damping_scale: tuple[float, ...] = param(
+        (1.0, 1.0, 1.0), 'factor on the damping, strut by strut', minimum=0.0
+    )
+    stroke_limit: float = param(description='stroke to the stop, either way', unit='m', above=0.0)
+    stop_stiffness: float = param(description='stiffness of a stop', unit='N/m', above=0.0)
+    stop_damping: float = param(description='damping of a stop', unit='N s/m', minimum=0.0)
+
+    def check(self) -> None:
+        """Refuse factors that do not fit the struts."""
+        for name in ('stiffness_scale', 'damping_scale'):
+            given = len(getattr(self, name))
+            if given < self.count:
+                raise SatvibError(f'{name}: {given} factors for {self.count} struts')
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coil(Schema):
+    """Voice coil and its amplifier."""
+
+    force_constant: float = param(
+        description='force per current, and back-EMF per speed', unit='N/A', minimum=0.0
+    )
+    force_scale: tuple[float, ...] = param(
+        (1.0, 1.0, 1.0), 'factor on the force constant, strut by strut; 0: actuator lost'
+    )
+    resistance: float = param(description='winding resistance', unit='ohm', above=0.0)
+    inductance: float = param(description='winding inductance', unit='H', above=0.0)
+    force_limit: float = param(description='peak force', unit='N', above=0.0)
+    drive: str = param('voltage', 'what the amplifier holds', choices=('voltage', 'current'))
+    transconductance: float = param(1.0, 'current drive: current per volt', unit='A/V', above=0.0)
+    bandwidth: float = param(1000.0, 'current drive: amplifier bandwidth', unit='Hz', above=0.0)
+    gain: float = param(1.0, 'amplifier gain, converter output to terminals', above=0.0)
+    voltage_limit: float = param(20.0, 'what the amplifier can give', unit='V', above=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shaker(Schema):
+    """What the lower plate stands on."""
+
+    rigid: bool = param(False, 'the lower plate follows the source whatever the struts do')
+    mass: float = param(description='armature and lower plate', unit='kg', above=0.0)
+    stiffness: float = param(description='from the source to the plate', unit='N/m', above=0.0)
+    damping: float = param(description='from the source to the plate', unit='N s/m', minimum=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Accelerometer(Schema):
+    """One kind of sensor on both plates of each strut."""
+
+    range: float = param(description='full scale, either way', unit='m/s^2', above=0.0)
+    bandwidth: float = param(description='-3 dB, first order', unit='Hz', above=0.0)
+    sensitivity: float = param(description='output per acceleration', unit='V s^2/m', above=0.0)
+    zero_voltage: float = param(0.0, 'output at rest', unit='V')
+    zero_tolerance: float = param(
+        0.0, 'the output at rest is off by up to this, drawn by the seed', unit='V', minimum=0.0
+    )
+    bias: tuple[float, ...] | None = param(
+        None, 'bias of the upper sensors, then the lower; none: drawn', unit='m/s^2'
+    )
+    noise_rms: float = param(
+        description='noise within the bandwidth, RMS', unit='m/s^2', minimum=0.0
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Acquisition(Schema):
+    """Sampling, anti-alias filter, converters, output hold and latency."""
+
+    sample_rate: float = param(description='sample rate', unit='Hz', above=0.0, maximum=20e3)
+    fine_rate: float = param(
+        4000.0, 'truth between samples: at least this', unit='Hz', minimum=4000.0, maximum=1e6
+    )
+    hold: str = param(description='output between commands', choices=('zero', 'linear'))
+    input_delay: float = param(
+        description='from the sample to the arrival of its voltage',
+        unit='s',
+        minimum=0.0,
+        maximum=1,
+    )
+    filter_order: int = param(
+        description='Butterworth anti-alias filter; 0: none', minimum=0, maximum=8
+    )
+    filter_corner: float = param(100.0, 'its corner, -3 dB', unit='Hz', above=0.0)
+    input_bits: int = param(description='input converter; 0: exact', minimum=0, maximum=32)
+    input_range: float = param(description='input full scale, either way', unit='V', above=0.0)
+    output_bits: int = param(description='output converter; 0: exact', minimum=0, maximum=32)
+    output_range: float = param(description='output full scale, either way', unit='V', above=0.0)
+
+    @property
+    def period(self) -> float:
+        """Sample period, s."""
+        return 1.0 / self.sample_rate
+
+    @property
+    def fine_steps(self) -> int:
+        """Fine steps in a sample period."""
+        return max(math.ceil(self.fine_rate / self.sample_rate - 1e-9), 1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rig(Schema):
+    """A whole rig."""
+
+    name: str = param('rig', 'name')
+    description: str = param('', 'one line for people')
+    payload: Payload = param()
+    struts: Struts = param()
+    coil: Coil = param()
+    shaker: Shaker = param()
+    accelerometer: Accelerometer = param()
+    acquisition: Acquisition = param()
+
+    def check(self) -> None:
+        """Refuse what does not fit together."""
+        count = self.struts.count
+        if len(self.coil.force_scale) < count:
+            given = len(self.coil.force_scale)
+            raise SatvibError(f'coil.force_scale: {given} factors for {count} struts')
+        bias = self.accelerometer.bias
+        if bias is not None and len(bias) != 2 * count:
+            raise SatvibError(f'accelerometer.bias: {len(bias)} values for {2 * count} sensors')
+        sensor = self.accelerometer
+        at_rest = abs(sensor.zero_voltage) + sensor.zero_tolerance
+        if at_rest >= self.acquisition.input_range:
+            raise SatvibError(
+                f'accelerometer.zero_voltage: {at_rest} V at rest is outside the input range, '
+                f'+-{self.acquisition.input_range} V'
+            )
+
+
+def rig_names() -> list[str]:
+    """Give the names of the rigs that come with the package."""
+    folder = resources.files('satvib_plant_sim').joinpath('rigs')
+    return sorted(f.name[:-5] for f in folder.iterdir() if f.name.endswith('.yaml'))
+
+
+def load_rig(name_or_path: str | Path, overrides: Mapping[str, Any] | None = None) -> Rig:
+    """Load a rig and change some of its numbers.
+
+    Args:
+        name_or_path: a name of `rig_names()`, or the path of a YAML file (it ends in .yaml or holds a slash).
+        overrides: dotted keys, as in {'payload.mass': 12.0, 'struts.stiffness_scale.1': 0.8}; list elements count
+            from 0.
+
+    Raises:
+        SatvibError: no such rig, unreadable, a wrong key, type or value; the message names rig and key.
+    """
+    text = str(name_or_path)
+    if text.endswith(('.yaml', '.yml')) or '/' in text:
+        data, where = load_yaml(Path(text)), text
+    else:
+        if text not in rig_names():
+            raise SatvibError(
+                f'rig {text!r}: no such rig (known: {", ".join(rig_names())}; or the path of a file)'
+            )
+        file = resources.files('satvib_plant_sim').joinpath('rigs', f'{text}.yaml')
+        data, where = parse_yaml(file.read_text(encoding='utf-8'), f'rig {text}'), f'rig {text}'
+    if not isinstance(data, Mapping):
+        raise SatvibError(f'{where}: a mapping of keys is expected')
+    base = Rig.from_mapping({'name': Path(text).stem, **data}, where)
+    if not overrides:
+        return base
+    mapping = base.to_mapping()
+    for key, value in overrides.items():
+        _override(mapping, key, value, where)
+    return Rig.from_mapping(mapping, where)
+
+
+def _override(mapping: dict[str, Any], key: str, value: Any, where: str) -> None:
+    """Set one dotted key; keys that do not exist are left for the schema to refuse, parents are not."""
+    *parents, last = key.split('.')
+    node: Any = mapping
+    for depth, part in enumerate(parents):
+        child = _child(node, part)
+        if not isinstance(child, dict | list):
+            path = '.'.join(parents[: depth + 1])
+            raise SatvibError(f'{where}: {key}: {path} has no keys below it or does not exist')
+        node = child
+    if isinstance(node, list):
+        if not last.isdigit() or int(last) >= len(node):
+            raise SatvibError(f'{where}: {key}: not an index from 0 to {len(node) - 1}')
+        node[int(last)] = value
+    elif last not in node:
+        known = ', '.join(node)
+        raise SatvibError(f'{where}: {key}: no such key (known here: {known})')
+    elif isinstance(node[last], dict) and not isinstance(value, Mapping):
+        raise SatvibError(
+            f'{where}: {key}: is a group of keys, name one of {", ".join(node[last])}'
+        )
+    else:
+        node[last] = value
+
+
+def _child(node: Any, part: str) -> Any:
+    if isinstance(node, dict):
+        return node.get(part)
+    if isinstance(node, list) and part.isdigit() and int(part) < len(node):
+        return node[int(part)]
+    return None
