@@ -1,0 +1,24 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+from setuptools import find_packages, setup
+
+NAME = 'satvib_daq_bridge'
+
+setup(
+    name=NAME,
+    version='0.1.0',
+    packages=find_packages(exclude=['test']),
+    package_data={NAME: ['py.typed', 'config/*.yaml']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
+        (f'share/{NAME}', ['package.xml']),
+    ],
+    install_requires=['setuptools'],
+    zip_safe=True,
+    maintainer='satvib maintainers',
+    maintainer_email='maintainers@satvib.invalid',
+    description='The loop on real hardware: channels, calibration, output guard, back ends',
+    license='Apache-2.0',
+    extras_require={'test': ['pytest'], 'nidaqmx': ['nidaqmx[grpc]'], 'iio': ['pylibiio<1']},
+    entry_points={'console_scripts': []},
+)
