@@ -51,7 +51,7 @@ class Disturbance(Schema):
     (start, stop, period, *values) (p), first (), grid (f) and gives (f).
     """
 
-    kind: str = param('none', 'kind')
+    kind: str = param(description='kind')
     start: float = param(0.0, 'begins', unit='s', minimum=0.0)
     stop: float | None = param(None, 'ends; none: never', unit='s')
     target: str = param('base', 'what it acts on', choices=('base', 'payload'))
@@ -79,11 +79,14 @@ class Disturbance(Schema):
     def bank(
         cls,
         settings: Sequence['Disturbance'],
-        seeds: Sequence[int],  # noqa: ARG003 - for the kinds that draw
+        seeds: Sequence[tuple[int, ...]],  # noqa: ARG003 - for the kinds that draw
         clock: Clock,
         transfers: Sequence[Transfer],
     ) -> Bank:
-        """Put disturbances of this kind, one per row, into one evaluator."""
+        """Put disturbances of this kind, one per row, into one evaluator.
+
+        Each row's seed is a tuple, the beginning of what `default_rng` takes.
+        """
         rows = [
             [clock.index(s.start), clock.index(s.stop), clock.period, *s.values(t)]
             for s, t in zip(settings, transfers, strict=True)

@@ -8,12 +8,26 @@ from typing import Any
 from satvib_common.errors import SatvibError
 
 from satvib_plant_sim.disturbance.base import Disturbance
+from satvib_plant_sim.disturbance.combined import Sum
+from satvib_plant_sim.disturbance.random import Random
+from satvib_plant_sim.disturbance.reaction_wheel import ReactionWheel
+from satvib_plant_sim.disturbance.shapes import Burst, Pulse, Trapezoid
 from satvib_plant_sim.disturbance.silence import Silence
 from satvib_plant_sim.disturbance.sine import Sine
+from satvib_plant_sim.disturbance.sweep import Sweep
+from satvib_plant_sim.disturbance.tones import Tones
 
 _KINDS: dict[str, type[Disturbance]] = {
     'none': Silence,
     'sine': Sine,
+    'tones': Tones,
+    'sweep': Sweep,
+    'random': Random,
+    'reaction_wheel': ReactionWheel,
+    'pulse': Pulse,
+    'trapezoid': Trapezoid,
+    'burst': Burst,
+    'sum': Sum,
 }
 
 

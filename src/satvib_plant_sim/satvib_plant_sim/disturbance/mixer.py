@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from satvib_plant_sim.disturbance.base import Bank, Clock, Disturbance, Transfer
 
 Array = NDArray[np.float64]
+STREAM = 2  # of a trial's seed; 0 is the sensors' bias, 1 their noise
 
 
 def _unity(_: float) -> float:
@@ -46,8 +47,7 @@ class Mixer:
             trials = [trial for trial, _ in members]
             bank = kind.bank(
                 [part for _, part in members],
-                # parts of one trial that draw must not draw the same
-                [seeds[trial] * 1000 + order for trial in trials],
+                [(seeds[trial], STREAM, order) for trial in trials],
                 clock,
                 [_unity if channel else transfers[trial] for trial in trials],
             )

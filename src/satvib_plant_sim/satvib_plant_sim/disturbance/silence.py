@@ -4,12 +4,16 @@
 
 from dataclasses import dataclass
 
+from satvib_common.schema import param
+
 from satvib_plant_sim.disturbance.base import Disturbance
 
 
 @dataclass(frozen=True, kw_only=True)
 class Silence(Disturbance):
     """Nothing."""
+
+    kind: str = param('none', 'kind', choices=('none',))
 
     def parts(self) -> tuple[Disturbance, ...]:
         """Nothing to add."""

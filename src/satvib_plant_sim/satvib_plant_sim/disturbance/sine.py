@@ -29,6 +29,7 @@ def sine_values(p, first, grid, out):  # type: ignore[no-untyped-def]  # noqa: A
 class Sine(Disturbance):
     """One tone."""
 
+    kind: str = param('sine', 'kind', choices=('sine',))
     amplitude: float = param(description='lower plate with control off', unit='m/s^2 (N)')
     frequency: float = param(description='frequency', unit='Hz', above=0.0)
     phase: float = param(0.0, 'phase at start', unit='deg')
