@@ -1,0 +1,259 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The controller of a strut: phases, calibration, excitation, law and guard around one sample.
+
+| phase | voltage | what is learnt |
+|---|---|---|
+| STANDBY | 0 V | the law keeps its filters warm |
+| CALIBRATE | 0 V | bias of both sensors |
+| IDENTIFY | excitation | nothing here; the identifier watches |
+| ADAPT | the law against its reference model | gains |
+| CONTROL | the law, faded in | what the law wants |
+
+Every voltage leaves through the guard. A missing upper sample gives 0 V for that sample; `loss_limit` of them in a
+row latch a fault. A gap in the sequence is counted and the states stay; a sequence that goes back starts all anew.
+"""
+
+import copy
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from satvib_common.calibration import BiasCalibration
+from satvib_common.guard import VoltageGuard
+from satvib_common.phases import Phase, PhasePlan
+from satvib_common.sequence import Arrival, SequenceTracker
+from satvib_common.statistics import MovingRms
+
+from satvib_control.law import STATE_FIELDS, Array, LawInput, LawState, Mask, make_law
+from satvib_control.parameters import ControllerParameters
+from satvib_control.polynomial import broadcast_model, model_polynomials, stable
+from satvib_control.reasons import reason, reasons, text_of
+from satvib_control.signals import StrutSignals
+
+if TYPE_CHECKING:
+    from satvib_ident.iir_model import IirModel
+
+NOT_FINITE = reason('fault: the law asked for a voltage that is not finite')
+LOST = reason('0 V: the upper acceleration is missing')
+LOST_LONG = reason('fault: the upper acceleration was missing for too long')
+RESTLESS = reason('fault: the upper sensor was not at rest in CALIBRATE')
+STOPPED = reason('fault: stopped from outside')
+UNSTABLE = reason('the identified model is not stable: not taken')
+UNCAUSAL = reason('the identified model has no delay, so no law can use it: not taken')
+
+
+@dataclass(frozen=True)
+class ControllerOutput:
+    """What became of one sample; arrays of `shape`.
+
+    Attributes:
+        sequence: index of the sample.
+        phase: phase of the sample.
+        law: name of the law.
+        voltage: V; what the guard let through.
+        output: V; what was asked of the guard.
+        saturated: bool; the guard changed it.
+        fault: bool; latched, the voltage is 0.
+        state: what the law shows.
+        reference: the law's reference in m/s^2, or the excitation in V in IDENTIFY.
+        upper_rms: m/s^2; RMS without bias over the recent window.
+        bias_upper: m/s^2.
+        bias_lower: m/s^2.
+        adapting: bool; the gains moved on this sample.
+        reason: codes of `satvib_control.reasons`.
+        missed_samples: samples lost so far.
+    """
+
+    sequence: int
+    phase: Phase
+    law: str
+    voltage: Array
+    output: Array
+    saturated: Mask
+    fault: Mask
+    state: LawState
+    reference: Array
+    upper_rms: Array
+    bias_upper: Array
+    bias_lower: Array
+    adapting: Mask
+    reason: Any
+    missed_samples: int
+
+    def reason_text(self, index: tuple[int, ...] = ()) -> str:
+        """Text of the reason of one item; empty when all is well."""
+        return text_of(self.reason[index])
+
+    def fields(self, index: tuple[int, ...] = ()) -> dict[str, Any]:
+        """The fields of satvib_msgs/ControllerState that the controller knows, for one item, as plain values."""
+        found: dict[str, Any] = {
+            'sequence': self.sequence,
+            'phase': int(self.phase),
+            'law': self.law,
+            'reason': self.reason_text(index),
+            'missed_samples': self.missed_samples,
+        }
+        for name in STATE_FIELDS:
+            found[name] = float(getattr(self.state, name)[index])
+        for name in ('voltage', 'output', 'reference', 'upper_rms', 'bias_upper', 'bias_lower'):
+            found[name] = float(getattr(self, name)[index])
+        for name in ('saturated', 'fault', 'adapting'):
+            found[name] = bool(getattr(self, name)[index])
+        return found
+
+
+class ControllerCore:
+    """Decentralized controller of one strut, or of a batch of them.
+
+    Args:
+        parameters: see `ControllerParameters`.
+        shape: leading axes; the last one, when there is one, counts struts from `parameters.strut`.
+    """
+
+    def __init__(self, parameters: ControllerParameters, shape: tuple[int, ...] = ()) -> None:
+        p = parameters
+        self.parameters, self.shape, self.dt = p, shape, 1.0 / p.sample_rate
+        self._signals = StrutSignals(
+            p.excitation, p.excitation_amplitude, p.excitation_frequencies, p, shape
+        )
+        self._begin()
+
+    def _begin(self) -> None:
+        p, shape = self.parameters, self.shape
+        self.law = make_law(p.law, p, self.dt, shape)
+        self.guard = VoltageGuard(p.voltage_limit, p.slew_limit or np.inf, self.dt, shape)
+        self.calibration_upper = BiasCalibration(shape)
+        self.calibration_lower = BiasCalibration(shape)
+        self._rms = MovingRms(max(round(p.rms_window * p.sample_rate), 1), shape)
+        self._tracker = SequenceTracker()
+        self._zero = np.zeros(shape)
+        self._lost = np.zeros(shape, dtype=np.int64)
+        self._saturated = np.zeros(shape, dtype=bool)
+        self._fault_reason = np.zeros(shape, dtype=np.int64)
+        self._model_reason = np.zeros(shape, dtype=np.int64)
+        self._waiting: tuple[Any, Mask, Array | None] | None = None
+        self._stop = np.zeros(shape, dtype=bool)
+        self._checked_rest = False
+        self._last: ControllerOutput | None = None
+
+    def set_model(
+        self,
+        model: 'IirModel',
+        trusted: ArrayLike = True,
+        why: Any = '',
+        covariance: Array | None = None,
+    ) -> None:
+        """Take the identified model; only at hand-over samples, before `step`.
+
+        Args:
+            model: shape, or one for all.
+            trusted: shape, bool; where it is false the law keeps what it had.
+            why: text, or texts (shape), why not.
+            covariance: (*shape, n + m, n + m) of (a1..an, b1..bm).
+        """
+        model = broadcast_model(model, self.shape)
+        b, a = model_polynomials(model)
+        with np.errstate(all='ignore'):
+            sound = (stable(a) > 0.0) & np.all(np.isfinite(b), axis=-1)
+        trusted = np.broadcast_to(np.asarray(trusted, dtype=bool), self.shape)
+        told = reasons(why, self.shape)
+        code = np.where(trusted, np.where(sound, 0, UNSTABLE), told)
+        if model.delay < 1:
+            sound, code = np.zeros(self.shape, dtype=bool), np.where(trusted, UNCAUSAL, told)
+        self._model_reason = np.broadcast_to(code, self.shape)
+        if covariance is not None:
+            covariance = np.broadcast_to(covariance, (*self.shape, *covariance.shape[-2:]))
+        self._waiting = (model, np.asarray(trusted & sound), covariance)
+
+    def apply(self, parameters: ControllerParameters) -> None:
+        """Take new values of the parameters that are not read-only."""
+        self.parameters = parameters
+        self.guard.limit = parameters.voltage_limit
+        self.law.apply(parameters)
+
+    def stop(self) -> None:
+        """Latch 0 V from the next sample on, until `reset`."""
+        self._stop = np.ones(self.shape, dtype=bool)
+
+    def reset(self) -> None:
+        """Release latched faults; the law begins at rest. Biases and the identified model stay."""
+        self.guard.reset()
+        self.law.reset()
+        self._stop = np.zeros(self.shape, dtype=bool)
+        self._lost = np.zeros(self.shape, dtype=np.int64)
+        self._fault_reason = np.zeros(self.shape, dtype=np.int64)
+
+    def step(self, k: int, plan: PhasePlan, upper: ArrayLike, lower: ArrayLike) -> ControllerOutput:
+        """Take sample k of both sensors (shape, m/s^2, as measured) and give the voltage.
+
+        A repeated sample gives the answer that it got before.
+        """
+        arrival = self._tracker.see(k)
+        if arrival is Arrival.REPEAT and self._last is not None:
+            return self._last
+        if arrival is Arrival.RESTART:
+            self._begin()
+            self._tracker.see(k)
+        phase = plan.at(k)
+        upper, lower = np.asarray(upper, dtype=float), np.asarray(lower, dtype=float)
+        valid = np.isfinite(upper)
+        if phase == Phase.CALIBRATE:
+            self.calibration_upper.add(upper)
+            self.calibration_lower.add(lower)
+        elif not self._checked_rest:
+            self._check_rest()
+        clean = np.where(valid, upper - self.calibration_upper.mean, 0.0)
+        lower_clean = lower - self.calibration_lower.mean
+        lower_clean = np.where(np.isfinite(lower_clean), lower_clean, np.nan)
+        self._lost = np.where(valid, 0, self._lost + 1)
+        if phase not in {Phase.CALIBRATE, Phase.IDENTIFY} and self._waiting is not None:
+            self.law.set_model(*self._waiting)
+            self._waiting = None
+        x = LawInput(k, clean, lower_clean, self.guard.voltage, self._saturated, valid)
+        demand = self.law.step(x, phase)
+        return self._finish(k, plan, phase, demand, valid, clean)
+
+    def _finish(
+        self, k: int, plan: PhasePlan, phase: Phase, demand: Array, valid: Mask, clean: Array
+    ) -> ControllerOutput:
+        p, state = self.parameters, self.law.state
+        reference, adapting, why = state.reference, state.adapting, state.reason
+        if phase == Phase.IDENTIFY:
+            reference = demand = self._signals.at(k - plan.start_of(k))
+        elif phase == Phase.CONTROL:
+            fade = (k - plan.start_of(k) + 1) / max(p.switch_on_time * p.sample_rate, 1.0)
+            if fade < 1.0:
+                demand = demand * fade
+        elif phase != Phase.ADAPT:
+            demand = self._zero
+        if phase in {Phase.STANDBY, Phase.CALIBRATE, Phase.IDENTIFY}:
+            adapting, why = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=np.int64)
+        elif self.law.needs_model:
+            why = np.where(self._model_reason != 0, self._model_reason, why)
+        lost_long = self._lost >= p.loss_limit
+        finite = np.isfinite(demand)
+        demand = np.where(valid, demand, 0.0)
+        guarded = self.guard.apply(demand, lost_long | self._stop | (self._fault_reason != 0))
+        if guarded.fault.any():
+            cause = np.where(
+                self._stop, STOPPED, np.where(lost_long, LOST_LONG, np.where(finite, 0, NOT_FINITE))
+            )
+            fresh = guarded.fault & (self._fault_reason == 0)
+            self._fault_reason = np.where(fresh, cause, self._fault_reason)
+        self._saturated = guarded.saturated
+        why = np.where(guarded.fault, self._fault_reason, np.where(valid, why, LOST))
+        self._last = ControllerOutput(
+            k, phase, p.law, guarded.voltage, demand, guarded.saturated, guarded.fault,
+            copy.copy(state),
+            reference, self._rms.add(clean), self.calibration_upper.mean,
+            self.calibration_lower.mean, adapting, why, self._tracker.lost,
+        )  # fmt: skip
+        return self._last
+
+    def _check_rest(self) -> None:
+        """Once after CALIBRATE: a sensor that was not at rest has no bias to learn."""
+        self._checked_rest = True
+        restless = self.calibration_upper.standard_deviation > self.parameters.calibration_limit
+        self._fault_reason = np.where(restless, RESTLESS, self._fault_reason)

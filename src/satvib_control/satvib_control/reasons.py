@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Why a law does not act or does not adapt: texts as small numbers, so that a batch can hold one per item.
+
+0 is the empty text: all is well.
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+_TEXTS: list[str] = ['']
+_CODES: dict[str, int] = {'': 0}
+
+
+def reason(text: str) -> int:
+    """Give the code of a text; the same text has the same code for the life of the process."""
+    if text not in _CODES:
+        _CODES[text] = len(_TEXTS)
+        _TEXTS.append(text)
+    return _CODES[text]
+
+
+def text_of(code: int) -> str:
+    """Give the text of a code."""
+    return _TEXTS[int(code)]
+
+
+def reasons(texts: str | Iterable[str], shape: tuple[int, ...]) -> NDArray[np.int64]:
+    """Codes (shape) of one text for all, or of texts with that shape in C order (any nesting)."""
+    array = np.asarray(texts, dtype=object)
+    flat = [reason(str(text)) for text in array.ravel()]
+    return np.broadcast_to(np.array(flat, dtype=np.int64).reshape(array.shape), shape).copy()
