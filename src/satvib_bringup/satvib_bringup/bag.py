@@ -79,7 +79,7 @@ def read_recording(path: Path) -> Recording:
                     raise SatvibError(
                         f'{bag}: no topic of type {PACKAGE}/{needed} in this bag; topics: {found}'
                     )
-            custom = reader.readers[0].storage.metadata.custom or {}  # type: ignore[union-attr]
+            custom = reader.readers[0].storage.metadata.custom or {}
             return _collect(bag, reader, dict(custom))
     except FileNotFoundError as error:
         raise SatvibError(f'{bag}: incomplete: {error}') from None

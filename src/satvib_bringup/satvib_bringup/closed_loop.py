@@ -109,7 +109,10 @@ class ClosedLoop:
             sample = self.plant.sample()
             if identification is not None and self.plan.handoff(k, self.model_period):
                 self.controller.set_model(
-                    identification.model(), identification.converged, identification.covariance
+                    identification.model(),
+                    identification.converged,
+                    identification.reasons,
+                    identification.covariance,
                 )
             output = self.controller.step(k, self.plan, sample.upper, sample.lower)
             self._voltages.append(output.voltage)

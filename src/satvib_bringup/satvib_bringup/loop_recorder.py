@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_control.law import STATE_FIELDS
 from satvib_control.reasons import text_of
 
 from satvib_bringup.recording import Group, Recording
@@ -20,14 +21,29 @@ VOLTAGE = ('voltage', 'saturated', 'fault')
 MODEL = (
     'a', 'b', 'standard_deviation', 'covariance', 'prediction_error', 'noise_variance', 'bias',
     'updates', 'excitation_order', 'information_eigenvalue', 'information_condition', 'whiteness',
-    'pole_modulus', 'converged', 'reason',
+    'pole_modulus', 'converged', 'reasons',
 )  # fmt: skip
-STATE = (
-    'reference', 'model_output', 'error', 'output', 'voltage', 'kp', 'ki', 'kd', 'ki_min', 'ki_max',
-    'sensitivity', 'weight_norm', 'frequency', 'upper_rms', 'bias_upper', 'bias_lower', 'adapting',
+OUTPUT = (
+    'reference', 'output', 'voltage', 'upper_rms', 'bias_upper', 'bias_lower', 'adapting',
     'saturated', 'fault', 'reason',
 )  # fmt: skip
 TRUTH = ('upper', 'lower', 'stroke', 'stroke_peak', 'force_peak', 'current')
+
+
+# fields whose name in the message is another
+_NAMES = {'reasons': 'reason'}
+
+
+def _plain(name: str, array: NDArray[Any]) -> NDArray[Any]:
+    """Give a field as the message holds it: texts for codes, matrices row by row."""
+    if name == 'reason':
+        codes, inverse = np.unique(array, return_inverse=True)
+        return np.array([text_of(code) for code in codes])[inverse.reshape(array.shape)]
+    if name == 'reasons':
+        return array.astype(str)
+    if name == 'covariance':
+        return array.reshape(*array.shape[:-2], -1)
+    return array
 
 
 class LoopRecorder:
@@ -49,12 +65,17 @@ class LoopRecorder:
         self._put(k, 'acceleration', SAMPLE, step.sample)
         self._put(k, 'voltage', VOLTAGE, step.output)
         self._put(k, 'model', MODEL, step.identification)
-        self._put(k, 'state', STATE, step.output.state)
+        self._put(k, 'state', OUTPUT, step.output)
+        self._put(k, 'state', STATE_FIELDS, step.output.state, skip=OUTPUT)
         if self.truth:
             self._put(k, 'truth', TRUTH, step.truth)
 
-    def _put(self, k: int, group: str, names: tuple[str, ...], values: Any) -> None:
+    def _put(
+        self, k: int, group: str, names: tuple[str, ...], values: Any, skip: tuple[str, ...] = ()
+    ) -> None:
         for name in names:
+            if name in skip:
+                continue
             value = np.asarray(getattr(values, name))
             array = self._arrays.get((group, name))
             if array is None:
@@ -72,14 +93,10 @@ class LoopRecorder:
         groups: dict[str, Group] = {}
         for (group, name), array in self._arrays.items():
             picked = array[:, trial] if loop.shape else array
-            if name == 'reason':
-                codes, inverse = np.unique(picked, return_inverse=True)
-                texts = np.array([text_of(code) for code in codes])
-                picked = texts[inverse.reshape(picked.shape)]
-            groups.setdefault(group, {})[name] = picked
+            groups.setdefault(group, {})[_NAMES.get(name, name)] = _plain(name, picked)
         end, struts = loop.plan.end, loop.plant.struts
-        for group in groups.values():
-            group['present'] = np.ones((end, struts), dtype=bool)
+        for fields in groups.values():
+            fields['present'] = np.ones((end, struts), dtype=bool)
         dt = loop.plant.dt
         scenario = loop.scenarios[trial]
         return Recording(

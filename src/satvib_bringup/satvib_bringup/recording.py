@@ -85,8 +85,7 @@ class Recording:
     @property
     def time(self) -> NDArray[np.float64]:
         """Time of each sample since sample 0 (samples,), s."""
-        result: NDArray[np.float64] = self.sequence * self.sample_period
-        return result
+        return np.asarray(self.sequence * self.sample_period)
 
     @property
     def phase(self) -> NDArray[np.int64]:
@@ -207,11 +206,10 @@ def differences(first: Recording, second: Recording) -> list[str]:
         if not (first.has(group) and second.has(group)):
             lines.append(f'{group}: only one of them has it')
             continue
-        both = first.get(group, 'present') & second.get(group, 'present')
-        if group != 'model' and not np.array_equal(
-            *(r.get(group, 'present') for r in (first, second))
-        ):
+        present = [r.get(group, 'present') for r in (first, second)]
+        if group != 'model' and not np.array_equal(present[0], present[1]):
             lines.append(f'{group}: messages missing in one of them')
+        both = present[0] & present[1]
         names = set(first.groups[group]) & set(second.groups[group]) - {'present'}
         for name in sorted(names):
             if (group, name) not in MACHINE_FIELDS:

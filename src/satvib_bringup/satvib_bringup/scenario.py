@@ -21,7 +21,7 @@ from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import Schema, load_yaml, param
 
 from satvib_bringup.overrides import apply_overrides
-from satvib_bringup.settings import resolve_path, unknown_name
+from satvib_bringup.settings import nearest, resolve_path
 
 if TYPE_CHECKING:
     from satvib_control.parameters import ControllerParameters
@@ -192,7 +192,9 @@ def scenario_path(name_or_path: str | Path) -> Path:
     text = str(name_or_path)
     if not text.endswith(('.yaml', '.yml')) and '/' not in text:
         if text not in scenario_names():
-            raise SatvibError(f'scenario {text}: {unknown_name(text, scenario_names())}')
+            raise SatvibError(
+                f'scenario {text!r}: no such scenario; {nearest(text, scenario_names())}'
+            )
         return FOLDER / f'{text}.yaml'
     return Path(text)
 

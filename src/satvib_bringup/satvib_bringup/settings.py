@@ -1,17 +1,17 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Small helpers for names and paths in settings files."""
+"""Small helpers for names and paths in settings and files."""
 
 import difflib
 from collections.abc import Sequence
 from pathlib import Path
 
 
-def unknown_name(name: str, known: Sequence[str]) -> str:
-    """Words for a name that nothing has, with the nearest one that something has."""
+def nearest(name: str, known: Sequence[str]) -> str:
+    """Words that lead from a wrong name to the right one."""
     close = difflib.get_close_matches(name, known, n=1)
-    hint = f'did you mean {close[0]}? ' if close else ''
-    return f'no such name; {hint}(known: {", ".join(known)}; or give the path of a .yaml file)'
+    listed = f'known: {", ".join(known)}'
+    return f'did you mean {close[0]}? ({listed})' if close else listed
 
 
 def resolve_path(name_or_path: str, folder: Path) -> str:

@@ -72,7 +72,7 @@ def evaluate(recording: Recording, open_loop: Recording | None = None) -> Evalua
         SatvibError: the recording ends before its own windows.
     """
     scenario = recording.scenario
-    onset = disturbance_onset(scenario.disturbance) if scenario else 0.0
+    onset = disturbance_onset(scenario.make_disturbance()) if scenario else 0.0
     tones = _tones(recording)
     windows = find_windows(recording, onset)
     nothing = {kind: np.full(len(recording.struts), np.nan) for kind in KINDS}
@@ -109,7 +109,7 @@ def _tones(recording: Recording) -> list[float]:
     scenario = recording.scenario
     if scenario is None:
         return []
-    given = list(scenario.analysis.frequencies) or disturbance_tones(scenario.disturbance)
+    given = list(scenario.analysis.frequencies) or disturbance_tones(scenario.make_disturbance())
     return [f for f in given if f < 0.5 / recording.sample_period]
 
 
@@ -145,7 +145,7 @@ def _noise(recording: Recording) -> float:
         return float('nan')
     from satvib_plant_sim.noise import noise_floor
 
-    return float(np.max(noise_floor(recording.rig)))
+    return noise_floor(recording.rig)
 
 
 def _floor(

@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Arguments and options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+ScenarioName = Annotated[
+    str,
+    typer.Argument(
+        help='Name of a scenario (see `satvib scenarios`), or the path of its YAML file.',
+        metavar='SCENARIO',
+    ),
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        '--set',
+        help='Change a setting, with dots for nested keys: seed=7, '
+        'controller.law=velocity_feedback, rig.payload.mass=12. May be given many times.',
+        metavar='KEY=VALUE',
+    ),
+]
+Folder = Annotated[
+    Path | None,
+    typer.Option(
+        '--folder',
+        '--record',
+        help='Folder of the run, made anew. Without it: runs/<scenario>-<number>.',
+        metavar='DIR',
+    ),
+]

@@ -1,0 +1,34 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""`satvib simulate`: the offline twin of a live run, in one process."""
+
+from satvib_bringup.commands.options import Folder, ScenarioName, Settings
+
+
+def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder = None) -> None:
+    """Run a scenario in this process, without DDS: sample for sample what the lockstep graph does.
+
+    Writes recording.npz, scenario.yaml, report.html, result.json and figures/ into a new folder.
+    """
+    from satvib_bringup.closed_loop import simulate as run_twin
+    from satvib_bringup.console import ProgressView, make_console, show_result
+    from satvib_bringup.live_attenuation import LiveAttenuation
+    from satvib_bringup.report import write_report
+    from satvib_bringup.run_folder import new_run_folder, write_scenario
+    from satvib_bringup.scenario import load_scenario
+
+    loaded = load_scenario(scenario, settings or [])
+    target = new_run_folder(loaded.name, folder)
+    write_scenario(loaded, target)
+    console = make_console()
+    with ProgressView(console, loaded.duration, f'simulate {loaded.name}') as view:
+        recording = run_twin(loaded, LiveAttenuation(loaded, view.update))
+        elapsed = view.elapsed
+    recording.save(target / 'recording.npz')
+    report = write_report(recording, target)
+    show_result(console, report.result, report.page)
+    console.print(
+        f'simulated {loaded.duration:g} s in {elapsed:.1f} s, '
+        f'{loaded.duration / elapsed:.0f} times real time',
+        style='dim',
+    )

@@ -1,0 +1,130 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What commands show: live progress, the final table, plain lines where there is no terminal."""
+
+import math
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+from satvib_common.phases import Phase
+
+# a log line at least this often in simulated seconds where there is no terminal
+_LOG_EVERY = 5.0
+_KINDS = ('measured_rms', 'true_rms', 'measured_tone', 'true_tone')
+
+
+def make_console() -> Console:
+    """Give the console on standard output, wide enough for the tables in a log."""
+    console = Console(highlight=False)
+    return console if console.is_terminal else Console(highlight=False, width=110)
+
+
+def decibels(value: float | None) -> str:
+    """Show an attenuation; a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return '–'
+    return f'{value:+.1f}'
+
+
+class ProgressView:
+    """Phase, time and attenuation per strut while a run goes on; a context manager.
+
+    Args:
+        console: where to.
+        end: s, length of the run.
+        title: what runs.
+    """
+
+    def __init__(self, console: Console, end: float, title: str) -> None:
+        self._console, self._end, self._title = console, end, title
+        self._live = console.is_terminal
+        self._progress = Progress(
+            TextColumn('[bold]{task.description}'),
+            BarColumn(bar_width=24),
+            TextColumn('{task.fields[told]}'),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+        )
+        self._task = self._progress.add_task(title, total=end, told='')
+        self._phase: Phase | None = None
+        self._logged = -math.inf
+        self._started = time.monotonic()
+
+    def __enter__(self) -> Self:
+        """Begin to show."""
+        if self._live:
+            self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, _: TracebackType | None
+    ) -> None:
+        """End it."""
+        if self._live:
+            self._progress.stop()
+
+    def update(self, phase: Phase, now: float, attenuation: Iterable[float]) -> None:
+        """Show where the run stands; `now` in s of the run, attenuation in dB per strut."""
+        told = f'{phase.name:<9} {now:6.2f} of {self._end:g} s'
+        values = [float(a) for a in attenuation]
+        if any(map(math.isfinite, values)) and phase is Phase.CONTROL:
+            told += '   ' + ' / '.join(decibels(a) for a in values) + ' dB'
+        if self._live:
+            self._progress.update(self._task, completed=now, told=told)
+        elif phase is not self._phase or now >= self._logged + _LOG_EVERY:
+            self._console.print(f'{self._title}: {told}')
+            self._logged = now
+        self._phase = phase
+
+    @property
+    def elapsed(self) -> float:
+        """Wall time since the view was made, s."""
+        return time.monotonic() - self._started
+
+
+def result_table(result: dict[str, Any]) -> Table:
+    """Give the table of attenuations of a run, from what result.json holds."""
+    struts = result['struts']
+    kinds = [k for k in _KINDS if any(s['attenuation'][k] is not None for s in struts)]
+    compared = any(s['reference'] is not None for s in struts)
+    table = Table(title=f'{result["scenario"]}: attenuation in dB, negative is better')
+    table.add_column('strut')
+    for kind in kinds:
+        table.add_column(kind.replace('_', '\n'), justify='right', style=_style(kind))
+    table.add_column('noise\nfloor rms', justify='right')
+    table.add_column('noise\nfloor tone', justify='right')
+    if compared:
+        table.add_column('to\ncompare', justify='right')
+    table.add_column('largest\nvoltage', justify='right')
+    for strut in struts:
+        cells = [strut['name']]
+        cells += [decibels(strut['attenuation'][kind]) for kind in kinds]
+        floor = strut['noise_floor']
+        cells += [decibels(floor['measured_rms']), decibels(floor['measured_tone'])]
+        if compared:
+            cells.append(decibels(strut['reference']))
+        volts = strut['largest_voltage']
+        cells.append('–' if volts is None else f'{volts:.1f} V')
+        table.add_row(*cells)
+    return table
+
+
+def _style(kind: str) -> str | None:
+    return 'bold' if kind.startswith('true') else None
+
+
+def show_result(console: Console, result: dict[str, Any], page: Path) -> None:
+    """Print the table of a run, what must be known about it, and where the report is."""
+    console.print(result_table(result))
+    if result['reference_source']:
+        console.print(f'to compare: {result["reference_source"]}', style='dim')
+    for note in result['notes']:
+        console.print(f'• {note}')
+    console.print(f'report: {page}', soft_wrap=True)
