@@ -131,6 +131,7 @@ class ControllerCore:
         self._zero = np.zeros(shape)
         self._lost = np.zeros(shape, dtype=np.int64)
         self._saturated = np.zeros(shape, dtype=bool)
+        self._fade = 1.0
         self._fault_reason = np.zeros(shape, dtype=np.int64)
         self._model_reason = np.zeros(shape, dtype=np.int64)
         self._waiting: tuple[Any, Mask, Array | None] | None = None
@@ -211,7 +212,7 @@ class ControllerCore:
         if phase not in {Phase.CALIBRATE, Phase.IDENTIFY} and self._waiting is not None:
             self.law.set_model(*self._waiting)
             self._waiting = None
-        x = LawInput(k, clean, lower_clean, self.guard.voltage, self._saturated, valid)
+        x = LawInput(k, clean, lower_clean, self.guard.voltage, self._saturated, valid, self._fade)
         demand = self.law.step(x, phase)
         return self._finish(k, plan, phase, demand, valid, clean)
 
@@ -219,13 +220,14 @@ class ControllerCore:
         self, k: int, plan: PhasePlan, phase: Phase, demand: Array, valid: Mask, clean: Array
     ) -> ControllerOutput:
         p, state = self.parameters, self.law.state
+        self._fade = 1.0 if phase == Phase.ADAPT else 0.0
         reference, adapting, why = state.reference, state.adapting, state.reason
         if phase == Phase.IDENTIFY:
             reference = demand = self._signals.at(k - plan.start_of(k))
         elif phase == Phase.CONTROL:
             fade = (k - plan.start_of(k) + 1) / max(p.switch_on_time * p.sample_rate, 1.0)
-            if fade < 1.0:
-                demand = demand * fade
+            self._fade = min(fade, 1.0)
+            demand = demand * self._fade
         elif phase != Phase.ADAPT:
             demand = self._zero
         if phase in {Phase.STANDBY, Phase.CALIBRATE, Phase.IDENTIFY}:

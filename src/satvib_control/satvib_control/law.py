@@ -49,6 +49,7 @@ class LawInput:
         applied: shape, V; the voltage computed from the sample before, as the guard let it through.
         saturated: shape, bool; the guard changed that voltage.
         valid: shape, bool; the upper acceleration was measured. Nothing is learnt where it was not.
+        fade: share of the demand of the sample before that was let through while CONTROL fades in; else 1.
     """
 
     sequence: int
@@ -57,6 +58,7 @@ class LawInput:
     applied: Array
     saturated: Mask
     valid: Mask
+    fade: float = 1.0
 
 
 @dataclass
@@ -98,9 +100,16 @@ STATE_FIELDS = (
 
 @runtime_checkable
 class Law(Protocol):
-    """The interface of every law."""
+    """The interface of every law.
+
+    Attributes:
+        needs_model: the law gives 0 V until it has an identified model.
+        cancels: in a sum, look at the plant without the feedback of the other parts (see `law_sum`).
+        state: what the law shows; renewed by every `step`.
+    """
 
     needs_model: bool
+    cancels: bool
     state: LawState
 
     def step(self, x: LawInput, phase: Phase) -> Array:
@@ -133,6 +142,7 @@ class BasicLaw:
     """
 
     needs_model = False
+    cancels = False
 
     def __init__(
         self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
@@ -175,10 +185,15 @@ def law_class(name: str) -> type[Law]:
 def make_law(
     name: str, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
 ) -> Law:
-    """Make a law by name; `dt` in s.
+    """Make a law, or a sum of them, by name; `dt` in s.
 
     Raises:
         SatvibError: no such law.
     """
+    names = [part.strip() for part in name.split('+')]
+    if len(names) > 1:
+        from satvib_control.law_sum import LawSum
+
+        return LawSum(names, parameters, dt, shape)
     cls = law_class(name)
     return cls(parameters, dt, shape)  # type: ignore[call-arg]
