@@ -30,13 +30,19 @@ class VoltageGuard:
     at zero volts a coil only damps; the slew limit protects against demands, not against stopping.
 
     Args:
-        limit: V, largest magnitude.
-        slew: V/s, largest rate; infinity for none.
+        limit: V, largest magnitude; one for all, or shape.
+        slew: V/s, largest rate; infinity for none; one for all, or shape.
         dt: s, sample period.
         shape: leading axes.
     """
 
-    def __init__(self, limit: float, slew: float, dt: float, shape: tuple[int, ...] = ()) -> None:
+    def __init__(
+        self,
+        limit: float | NDArray[np.float64],
+        slew: float | NDArray[np.float64],
+        dt: float,
+        shape: tuple[int, ...] = (),
+    ) -> None:
         self.limit = limit
         self.step = slew * dt
         self.voltage = np.zeros(shape)
