@@ -11,6 +11,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
+        (f'share/{NAME}/config', ['config/strut_controller.yaml']),
     ],
     install_requires=['setuptools'],
     zip_safe=True,
@@ -19,5 +20,7 @@ setup(
     description='Decentralized control laws for active vibration isolation',
     license='Apache-2.0',
     extras_require={'test': ['pytest']},
-    entry_points={'console_scripts': []},
+    entry_points={
+        'console_scripts': ['strut_controller = satvib_control.strut_controller_node:main'],
+    },
 )

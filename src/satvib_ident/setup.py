@@ -11,6 +11,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
+        (f'share/{NAME}/config', ['config/strut_identifier.yaml']),
     ],
     install_requires=['setuptools'],
     zip_safe=True,
@@ -19,5 +20,7 @@ setup(
     description='Recursive identification of IIR models, excitation and its measures',
     license='Apache-2.0',
     extras_require={'test': ['pytest']},
-    entry_points={'console_scripts': []},
+    entry_points={
+        'console_scripts': ['strut_identifier = satvib_ident.strut_identifier_node:main'],
+    },
 )

@@ -13,6 +13,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
+        (f'share/{NAME}/config', ['config/plant_sim.yaml']),
         (f'share/{NAME}/rigs', sorted(map(str, Path(NAME, 'rigs').glob('*.yaml')))),
     ],
     package_data={NAME: ['py.typed', 'rigs/*.yaml']},
@@ -23,5 +24,7 @@ setup(
     description='Simulated 3-DOF and 1-DOF vibration isolators',
     license='Apache-2.0',
     extras_require={'test': ['pytest']},
-    entry_points={'console_scripts': []},
+    entry_points={
+        'console_scripts': ['plant_sim = satvib_plant_sim.plant_sim_node:main'],
+    },
 )

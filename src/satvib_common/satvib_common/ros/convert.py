@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Between messages and the values of the mathematics."""
+
+from array import array
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from satvib_common.errors import SatvibError
+from satvib_common.phases import Phase, PhasePlan
+
+_SECOND = 1_000_000_000
+
+
+def set_stamp(stamp: Any, time: int) -> None:
+    """Put a time in ns into a builtin_interfaces/Time."""
+    stamp.sec, stamp.nanosec = divmod(time, _SECOND)
+
+
+def nanoseconds(stamp: Any) -> int:
+    """Time of a builtin_interfaces/Time in ns."""
+    total: int = stamp.sec * _SECOND + stamp.nanosec
+    return total
+
+
+def sample_stamp(sequence: int, period: float) -> int:
+    """Instant of a sample in ns when the samples are the clock and sample 0 is at 0."""
+    return round(sequence * period * _SECOND)
+
+
+def doubles(values: NDArray[np.float64]) -> 'array[float]':
+    """Give a float64[] field's value, the cheap way."""
+    return array('d', np.ascontiguousarray(values).tobytes())
+
+
+def plan_of(schedule: Any) -> PhasePlan:
+    """Read the phases of a satvib_msgs/Schedule.
+
+    Raises:
+        SatvibError: an unknown phase, or phases out of order.
+    """
+    known = {int(phase) for phase in Phase}
+    for number in schedule.phases:
+        if number not in known:
+            raise SatvibError(f'schedule: {number} is not a phase')
+    return PhasePlan(
+        tuple(Phase(number) for number in schedule.phases),
+        tuple(schedule.first_sequence),
+        schedule.end_sequence,
+    )
+
+
+def check_period(what: str, period: float, rate: float) -> None:
+    """Refuse a message whose sample period differs from what the node was told.
+
+    Args:
+        what: which message, for the reader of the error.
+        period: s, as the message says.
+        rate: Hz, the parameter `sample_rate`.
+
+    Raises:
+        SatvibError: they differ.
+    """
+    if not abs(period * rate - 1.0) <= 1e-9:
+        raise SatvibError(
+            f'{what}: sample_period is {period:g} s, but sample_rate {rate:g} Hz means '
+            f'{1.0 / rate:g} s; start this node with the rate of the acquisition'
+        )

@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a node says about itself on /diagnostics, once a second."""
+
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+
+from satvib_common.ros.names import strut_of
+from satvib_common.ros.qos import offered
+
+
+class Diagnostics:
+    """Publishes one status per node; the message is built once and refilled."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', offered(100))
+        self._status = DiagnosticStatus(
+            name=node.get_fully_qualified_name(), hardware_id=strut_of(node.get_namespace())
+        )
+        self._message = DiagnosticArray(status=[self._status])
+
+    def publish(self, active: bool, complaint: str, figures: dict[str, Any]) -> None:
+        """Say how it is: OK, WARN with a complaint, or STALE while inactive."""
+        status = self._status
+        if not active:
+            status.level, status.message = DiagnosticStatus.STALE, 'not active'
+        elif complaint:
+            status.level, status.message = DiagnosticStatus.WARN, complaint
+        else:
+            status.level, status.message = DiagnosticStatus.OK, 'all is well'
+        status.values = [
+            KeyValue(key=key, value=f'{value:g}' if isinstance(value, float) else str(value))
+            for key, value in figures.items()
+        ]
+        self._message.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(self._message)
+
+    def close(self) -> None:
+        """Let go of the publisher."""
+        self._node.destroy_publisher(self._publisher)

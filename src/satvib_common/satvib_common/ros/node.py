@@ -1,0 +1,308 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The base of every satvib node: a lifecycle node whose parameters are one schema.
+
+    unconfigured --configure--> inactive --activate--> active
+                 `make`                  `begin`
+                 `discard`               `end`
+
+A subclass makes its core and its publishers in `make` and its subscriptions in `begin`, so that an inactive node
+costs nothing and a late activation still gets the whole story. With `autostart` (the default) a node goes to active
+by itself.
+
+Whatever ends a node goes through `finish`: the process's exit code and its last line. A callback is registered through
+`guarded`, so that a `SatvibError` or `RunError` in it ends the process with that one line and no traceback.
+"""
+
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+from rclpy.clock import Clock, ClockType
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+from rclpy.task import Future
+from rclpy.timer import Timer
+from std_srvs.srv import Trigger
+
+from satvib_common.errors import RunError, SatvibError
+from satvib_common.ros.diagnostics import Diagnostics
+from satvib_common.ros.names import shared, strut_of
+from satvib_common.ros.parameters import NodeParameters
+from satvib_common.ros.qos import offered, overridable
+from satvib_common.ros.realtime import tidy_memory
+from satvib_common.schema import Schema
+
+P = TypeVar('P', bound=Schema)
+
+# s, how long a node that is told to stop still works on what it has received
+DRAIN = 10.0
+
+
+class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
+    """A node that is one schema of parameters, a core, and messages in and out.
+
+    Args:
+        name: of the node.
+        schema: of its parameters.
+
+    Raises:
+        SatvibError: parameters that are wrong.
+    """
+
+    def __init__(self, name: str, schema: type[P]) -> None:
+        super().__init__(name)
+        self.ended = False
+        self.exit_code = 0
+        self.last_line = ''
+        # the main loop waits on this one; a fresh one every time, for a future never forgets who waited
+        self.wake: Future = Future()
+        self.configured = False
+        self.active = False
+        self.handled = 0
+        self.failure: Exception | None = None
+        self._readers: list[Subscription] = []
+        self._writers: list[Publisher] = []
+        self._timers_made: list[Timer] = []
+        self._services_made: list[Any] = []
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.autostart = bool(self.declare_parameter('autostart', True).value)
+        self._settings = NodeParameters(self, schema, self._settings_changed)
+
+    # ---- what a subclass fills in
+
+    def make(self) -> None:
+        """Build the core and the publishers from `self.parameters`."""
+
+    def begin(self) -> None:
+        """Make the subscriptions and start."""
+
+    def end(self) -> None:
+        """Come to rest; the last chance to publish."""
+
+    def discard(self) -> None:
+        """Let go of what `make` built."""
+
+    def changed(self, parameters: P) -> None:
+        """Take a new, valid set of parameters."""
+
+    def stop(self) -> str:
+        """Come to a safe state and stay there; gives what was done."""
+        return 'nothing to stop'
+
+    def reset(self) -> str:
+        """Release latched faults and begin anew; gives what was done."""
+        return 'nothing to reset'
+
+    def diagnose(self) -> tuple[str, dict[str, Any]]:
+        """Give a complaint (empty when all is well) and figures for people."""
+        return '', {}
+
+    def tick(self) -> float:
+        """Do what is due by the steady clock; gives how long the loop may wait, in s."""
+        return 0.1
+
+    # ---- what a subclass uses
+
+    @property
+    def parameters(self) -> P:
+        """The parameters in force."""
+        return self._settings.value
+
+    @property
+    def strut(self) -> str:
+        """Name of the strut whose namespace this is."""
+        return strut_of(self.get_namespace())
+
+    def shared(self, topic: str) -> str:
+        """Name of a topic that all struts share."""
+        return shared(self.get_namespace(), topic)
+
+    def publish_on(self, kind: Any, topic: str, qos: QoSProfile | None = None) -> Publisher:
+        """Make a publisher that lives until `discard`."""
+        publisher = self.create_lifecycle_publisher(
+            kind, topic, qos or offered(), qos_overriding_options=overridable()
+        )
+        self._writers.append(publisher)
+        return publisher
+
+    def listen_to(
+        self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile, **more: Any
+    ) -> Subscription:
+        """Make a subscription that lives while the node is active."""
+        reader = self.create_subscription(
+            kind, topic, self.guarded(callback), qos, qos_overriding_options=overridable(), **more
+        )
+        self._readers.append(reader)
+        return reader
+
+    def every(self, period: float, callback: Callable[[], None]) -> None:
+        """Call back every `period` s of the steady clock while the node is configured."""
+
+        def call(_: None = None) -> None:
+            callback()
+
+        timer = self.create_timer(period, self.guarded_call(call), clock=self._steady)
+        self._timers_made.append(timer)
+
+    def guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
+        """Turn the errors that people see into the end of the process."""
+
+        def call(message: Any) -> None:
+            self.handled += 1
+            try:
+                callback(message)
+            except (SatvibError, RunError) as error:
+                self.fail(error)
+
+        return call
+
+    def guarded_call(self, callback: Callable[[], None]) -> Callable[[], None]:
+        """Do the same for a callback without a message."""
+
+        def call() -> None:
+            try:
+                callback()
+            except (SatvibError, RunError) as error:
+                self.fail(error)
+
+        return call
+
+    def finish(self, line: str = '', code: int = 0) -> None:
+        """End the process; the first reason given is the one that is told."""
+        if not self.ended:
+            self.ended = True
+            self.exit_code = code
+            self.last_line = line
+            self.wake.set_result(None)
+
+    def fail(self, error: Exception) -> None:
+        """End the process with an error: 2 for what people must correct, 1 for a run that failed."""
+        self.finish(str(error), 2 if isinstance(error, SatvibError) else 1)
+
+    def sources_left(self) -> bool:
+        """Whether anybody still publishes what this node reads."""
+        return any(reader.get_publisher_count() > 0 for reader in self._readers)
+
+    def writers(self) -> list[Publisher]:
+        """Publishers whose messages should arrive before the process ends."""
+        return self._writers
+
+    # ---- lifecycle
+
+    def start(self) -> None:
+        """Configure and activate, as `autostart` asks.
+
+        Raises:
+            SatvibError, RunError: what `make` or `begin` raised.
+        """
+        for transition in (self.trigger_configure, self.trigger_activate):
+            if transition() != TransitionCallbackReturn.SUCCESS:
+                raise self.failure or RunError(f'{self.get_name()}: could not be started')
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Build."""
+        result = self._transition(self._configure, super().on_configure, state)
+        if result == TransitionCallbackReturn.FAILURE:
+            self._let_go()
+        return result
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Start; publishers first, so that `begin` may publish."""
+        result = super().on_activate(state)
+        if result != TransitionCallbackReturn.SUCCESS:
+            return result
+        self.active = True
+        return self._transition(self.begin, None, state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Come to rest; publishers last."""
+        return self._transition(self._rest, super().on_deactivate, state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Let go."""
+        return self._transition(self._let_go, super().on_cleanup, state)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Come to rest, let go, and end the process."""
+        if self.active:
+            self._transition(self._rest, super().on_deactivate, state)
+        result = self._transition(self._let_go, super().on_shutdown, state)
+        self.finish('shut down')
+        return result
+
+    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Go back to unconfigured, so that it can be tried again."""
+        self.active = False
+        self._let_go()
+        return super().on_error(state)
+
+    def _transition(
+        self, act: Callable[[], None], then: Callable[[Any], Any] | None, state: LifecycleState
+    ) -> TransitionCallbackReturn:
+        try:
+            act()
+        except (SatvibError, RunError) as error:
+            self.failure = error
+            self.active = False
+            if not self.autostart:
+                self.get_logger().error(str(error))
+            return TransitionCallbackReturn.FAILURE
+        except Exception as error:
+            # rclpy would swallow it: keep it for `start`, and say it when a tool asked for the transition
+            self.failure = error
+            if not self.autostart:
+                self.get_logger().error(f'{type(error).__name__}: {error}')
+            raise
+        return then(state) if then else TransitionCallbackReturn.SUCCESS
+
+    def _configure(self) -> None:
+        self.make()
+        self.configured = True
+        self._services_made = [
+            self.create_service(Trigger, '~/stop', self._on_trigger('stop')),
+            self.create_service(Trigger, '~/reset', self._on_trigger('reset')),
+        ]
+        self._diagnostics = Diagnostics(self)
+        self.every(1.0, self._report)
+
+    def _rest(self) -> None:
+        if self.active:
+            self.end()
+        self.active = False
+        for reader in self._readers:
+            self.destroy_subscription(reader)
+        self._readers.clear()
+
+    def _let_go(self) -> None:
+        if self.configured:
+            self.discard()
+            self._diagnostics.close()
+        self.configured = False
+        for timer in self._timers_made:
+            self.destroy_timer(timer)
+        for service in self._services_made:
+            self.destroy_service(service)
+        for writer in self._writers:
+            self.destroy_lifecycle_publisher(writer)
+        for made in (self._timers_made, self._services_made, self._writers):
+            made.clear()
+
+    def _on_trigger(self, what: str) -> Callable[[Any, Any], Any]:
+        def answer(_: Any, response: Any) -> Any:
+            response.success = self.active
+            response.message = getattr(self, what)() if self.active else 'the node is not active'
+            self.get_logger().info(f'{what}: {response.message}')
+            return response
+
+        return answer
+
+    def _report(self) -> None:
+        complaint, figures = self.diagnose()
+        self._diagnostics.publish(self.active, complaint, figures)
+        tidy_memory()
+
+    def _settings_changed(self, parameters: P) -> None:
+        if self.configured:
+            self.changed(parameters)

@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Quality of service, so that start-up has no race.
+
+Every satvib publisher offers reliable and transient local with a deep history. A reader that needs the whole story
+(the recorder, and in lockstep every loop member) asks for transient local and gets each sample even when it is
+discovered late; the others ask for volatile and begin with the present.
+"""
+
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+# Samples. At 1000 samples a second a reader may stand still for a second before a writer forgets what it has not had.
+DEPTH = 1000
+
+_POLICIES = (
+    QoSPolicyKind.HISTORY,
+    QoSPolicyKind.DEPTH,
+    QoSPolicyKind.RELIABILITY,
+    QoSPolicyKind.DURABILITY,
+)
+
+
+def _reliable(depth: int, durability: DurabilityPolicy) -> QoSProfile:
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=durability,
+    )
+
+
+def offered(depth: int = DEPTH) -> QoSProfile:
+    """What a publisher offers."""
+    return _reliable(depth, DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def wanted(whole: bool, depth: int = DEPTH) -> QoSProfile:
+    """What a reader asks for; `whole`: also what was published before it came."""
+    return _reliable(
+        depth, DurabilityPolicy.TRANSIENT_LOCAL if whole else DurabilityPolicy.VOLATILE
+    )
+
+
+def overridable() -> QoSOverridingOptions:
+    """Let `qos_overrides` parameters change history, depth, reliability and durability."""
+    return QoSOverridingOptions(_POLICIES)

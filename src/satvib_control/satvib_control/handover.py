@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The models that wait for their hand-over sample.
+
+At hand-over sample k (see `PhasePlan.handoff`) a controller takes the model of sample k - 1. In lockstep it waits for
+that very model, so that no timing changes a bit; otherwise it takes the newest that is there. A controller that joins a
+run at a later sample takes the newest model once, for the hand-overs before it are gone.
+"""
+
+from collections import deque
+from typing import Generic, TypeVar
+
+from satvib_common.phases import PhasePlan
+
+M = TypeVar('M')
+
+
+class ModelQueue(Generic[M]):
+    """Models by the sample that they include last.
+
+    Args:
+        period: samples between hand-overs.
+        wait: take the model of the sample before and no other.
+    """
+
+    def __init__(self, period: int, wait: bool) -> None:
+        self.period, self.wait = period, wait
+        self._models: deque[tuple[int, M]] = deque()
+        self._joined = False
+
+    def add(self, sequence: int, model: M, plan: PhasePlan | None) -> None:
+        """Keep a model: those that will be asked for, and the newest."""
+        if self._models and sequence <= self._models[-1][0]:
+            self._models.clear()  # the identifier began anew
+        if self._models and self._joined and plan is not None:
+            last = self._models[-1][0]
+            if not plan.handoff(last + 1, self.period):
+                self._models.pop()
+        self._models.append((sequence, model))
+
+    def begin(self, sequence: int) -> None:
+        """The source begins, or begins anew, with this sample."""
+        self._joined = sequence == 0
+        while self._models and self._models[0][0] > sequence:
+            self._models.popleft()
+
+    def take(self, k: int, plan: PhasePlan) -> tuple[bool, M | None]:
+        """Whether sample k may be worked on, and the model that it takes, if any."""
+        due = plan.handoff(k, self.period)
+        if self._joined and not due:
+            return True, None
+        newest: tuple[int, M] | None = None
+        while self._models and self._models[0][0] < k:
+            newest = self._models.popleft()
+        # a newer model in the queue proves that the one of k - 1 will not come any more
+        gone = not self._joined or bool(self._models)
+        self._joined = True
+        if self.wait and not gone and (newest is None or newest[0] != k - 1):
+            if newest is not None:
+                self._models.appendleft(newest)
+            return False, None
+        return True, None if newest is None else newest[1]

@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The voltages that stand at the coils in real time: what arrived, when, and what happens when nothing arrives.
+
+A voltage is in force from its arrival until the next one (zero-order hold). A strut whose controller has once answered
+and then says nothing for longer than the timeout is ramped to 0 V in a straight line over that same time, and stays
+there until `reset`. The same happens to a strut that gets a voltage which is not a number, and to all at `stop`.
+
+Times are s on any steady clock, given by the caller.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+_NEVER = -math.inf
+
+
+class Commands:
+    """The command of each strut.
+
+    Args:
+        struts: how many.
+        timeout: s, longest silence.
+        period: s, sample period.
+    """
+
+    def __init__(self, struts: int, timeout: float, period: float) -> None:
+        self.timeout, self.period = timeout, period
+        self.late = 0
+        self.fault = np.zeros(struts, dtype=bool)
+        self._wanted = np.zeros(struts)
+        self._voltage = np.zeros(struts)
+        self._ramp = np.zeros(struts)
+        self._heard = np.full(struts, _NEVER)
+        self._arrival = np.zeros(struts)
+
+    def take(self, strut: int, voltage: float, now: float, since_sample: float, late: bool) -> None:
+        """Take a voltage for one strut.
+
+        Args:
+            strut: index.
+            voltage: V.
+            now: s.
+            since_sample: s since the sample whose period this is.
+            late: the voltage answers an older sample.
+        """
+        self._heard[strut] = now
+        self.late += late
+        if not math.isfinite(voltage):
+            self.latch(strut)
+        elif not self.fault[strut]:
+            self._wanted[strut] = voltage
+            self._arrival[strut] = since_sample
+
+    def latch(self, strut: int | slice = slice(None)) -> None:
+        """Begin the way to 0 V."""
+        fresh = ~self.fault[strut]
+        self.fault[strut] = True
+        step = np.abs(self._wanted[strut]) * self.period / max(self.timeout, self.period)
+        self._ramp[strut] = np.where(fresh, step, self._ramp[strut])
+
+    def reset(self) -> None:
+        """Release the faults; the next voltage counts again."""
+        self.fault[:] = False
+        self._heard[:] = _NEVER
+        self._wanted[:] = 0.0
+
+    def period_over(self, now: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Give what the period that ends now has seen: voltages (struts) and their arrivals (struts, s)."""
+        silent = (now - self._heard > self.timeout) & (self._heard > _NEVER)
+        for strut in np.flatnonzero(silent & ~self.fault):
+            self.latch(int(strut))
+        towards_zero = np.maximum(np.abs(self._voltage) - self._ramp, 0.0)
+        ramped = np.copysign(towards_zero, self._voltage) + 0.0
+        self._voltage = np.where(self.fault, ramped, self._wanted)
+        self._wanted = np.where(self.fault, self._voltage, self._wanted)
+        arrival, self._arrival = self._arrival, np.zeros_like(self._arrival)
+        return self._voltage, arrival

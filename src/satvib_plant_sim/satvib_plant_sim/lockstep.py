@@ -1,0 +1,50 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Collects the voltages of one sample, one per strut, as lockstep asks."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from satvib_common.errors import RunError, SatvibError
+
+
+class Answers:
+    """The voltages of the sample that is out.
+
+    Args:
+        names: of the struts.
+    """
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self.names = tuple(names)
+        self.voltage = np.zeros(len(self.names))
+        self._answered = [-1] * len(self.names)
+
+    def take(self, strut: int, sequence: int, voltage: float, k: int) -> bool:
+        """Take a voltage while sample k is out; True when every strut has answered k.
+
+        Raises:
+            RunError: an answer to a sample that has not been asked, so somebody else's.
+            SatvibError: a voltage that is not a number.
+        """
+        name = self.names[strut]
+        if sequence > k:
+            raise RunError(
+                f'{name}: a voltage for sample {sequence} before that sample was published: a '
+                'controller of another run is alive; stop it, or use another ROS_DOMAIN_ID'
+            )
+        if sequence < k or self._answered[strut] == k:
+            return False  # a controller that was started again tells its past
+        if not math.isfinite(voltage):
+            raise SatvibError(
+                f'{name}: the voltage of sample {sequence} is {voltage}; the run ends with all '
+                'struts at 0 V; correct the node that publishes it'
+            )
+        self._answered[strut] = k
+        self.voltage[strut] = voltage
+        return self._answered.count(k) == len(self.names)
+
+    def missing(self, k: int) -> list[str]:
+        """Names of the struts that have not answered sample k."""
+        return [name for name, last in zip(self.names, self._answered, strict=True) if last != k]
