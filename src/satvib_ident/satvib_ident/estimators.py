@@ -2,27 +2,56 @@
 # SPDX-License-Identifier: Apache-2.0
 """Estimators and forgetting rules by the names that the parameters use."""
 
-from satvib_ident.forgetting import ExponentialForgetting, Forgetting, NoForgetting
+from satvib_ident.extended_least_squares import ExtendedLeastSquares
+from satvib_ident.forgetting import (
+    CovarianceResetting,
+    DeadZone,
+    DirectionalForgetting,
+    ExponentialForgetting,
+    FiniteWindow,
+    Forgetting,
+    NoForgetting,
+    VariableRateForgetting,
+)
+from satvib_ident.instrumental_variable import InstrumentalVariable
 from satvib_ident.parameters import IdentifierParameters
 from satvib_ident.recursive_least_squares import RecursiveLeastSquares
 
 
 def make_forgetting(parameters: IdentifierParameters) -> Forgetting:
-    """Make the forgetting rule of an identifier."""
-    if parameters.forgetting == 'exponential':
-        return ExponentialForgetting(parameters.forgetting_factor)
-    return NoForgetting()
+    """Make the forgetting rule of an identifier; a rule belongs to one estimator."""
+    p = parameters
+    match p.forgetting:
+        case 'exponential':
+            return ExponentialForgetting(p.forgetting_factor)
+        case 'variable_rate':
+            return VariableRateForgetting(
+                p.short_window, p.long_window, p.confidence, p.forgetting_rate, floor=p.error_floor
+            )
+        case 'directional':
+            return DirectionalForgetting(p.forgetting_factor, p.regressor_floor)
+        case 'resetting':
+            return CovarianceResetting(p.reset_threshold, p.reset_covariance)
+        case 'dead_zone':
+            return DeadZone(p.dead_zone)
+        case 'window':
+            return FiniteWindow(p.window)
+        case _:
+            return NoForgetting()
 
 
 def make_estimator(
     parameters: IdentifierParameters, shape: tuple[int, ...]
 ) -> RecursiveLeastSquares:
     """Make the estimator of an identifier for every item of `shape`."""
-    return RecursiveLeastSquares(
-        parameters.count,
-        shape,
-        make_forgetting(parameters),
-        parameters.initial_covariance,
-        parameters.initial_theta or 0.0,
-        parameters.covariance_limit,
-    )
+    p = parameters
+    rule = make_forgetting(p)
+    start = p.initial_theta or 0.0
+    prior = (p.initial_covariance, start, p.covariance_limit)
+    if p.estimator == 'extended':
+        return ExtendedLeastSquares(p.count, p.noise_coefficients, shape, rule, *prior)
+    if p.estimator == 'instrumental':
+        return InstrumentalVariable(
+            p.poles, p.coefficients, p.noise_coefficients, shape, rule, *prior
+        )
+    return RecursiveLeastSquares(p.count, shape, rule, *prior)

@@ -7,7 +7,7 @@ Eq. (32); update the estimate where the phase, the regressor and the input allow
 be believed.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +15,15 @@ from satvib_common.calibration import BiasCalibration
 from satvib_common.phases import Phase
 from satvib_common.sequence import Arrival, SequenceTracker
 
+from satvib_ident.eigenvalues import information_measures
 from satvib_ident.estimators import make_estimator
 from satvib_ident.iir_model import IirModel
+from satvib_ident.measures import RecentSignal
 from satvib_ident.parameters import IdentifierParameters
+from satvib_ident.polynomials import pole_modulus
 from satvib_ident.regressor import IirRegressor
+from satvib_ident.response_deviation import ResponseDeviation
+from satvib_ident.trust import Verdict, judge
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -44,9 +49,10 @@ class Identification:
         information_eigenvalue: smallest eigenvalue of the normalized information matrix.
         information_condition: its condition number.
         whiteness: Ljung-Box statistic over its degrees of freedom.
+        response_deviation: largest relative deviation of the frequency response in the band of interest.
         pole_modulus: largest modulus of the poles.
         converged: the model may be believed.
-        reasons: why not, object array of str; '' where it may.
+        verdict: the checks behind `converged`, with reasons.
     """
 
     sequence: int
@@ -60,22 +66,29 @@ class Identification:
     noise_variance: Array
     bias: Array
     updates: Array
-    excitation_order: NDArray[np.int64]
+    excitation_order: Array
     information_eigenvalue: Array
     information_condition: Array
+    response_deviation: Array
     whiteness: Array
     pole_modulus: Array
     converged: Mask
-    reasons: NDArray[np.object_]
+    verdict: Verdict
 
     def model(self) -> IirModel:
         """The model, as a batch of `shape`."""
         return IirModel(self.a, self.b, self.delay, self.dt)
 
     @property
+    def reasons(self) -> NDArray[np.object_]:
+        """Why each item may not be believed, object array (shape) of str; '' where it may."""
+        return self.verdict.reasons
+
+    @property
     def reason(self) -> str:
         """Why the model of a single strut may not be believed; of a batch, the first reason."""
-        return next((str(r) for r in self.reasons.ravel() if r), '')
+        failed = np.argwhere(self.verdict.failed)
+        return self.verdict.reason(tuple(failed[0])) if failed.size else ''
 
 
 class IdentifierCore:
@@ -99,11 +112,25 @@ class IdentifierCore:
         self.calibration = BiasCalibration(shape)
         self.tracker = SequenceTracker()
         self._phases = frozenset(Phase[name] for name in parameters.estimate_in)
-        self._phase = Phase.STANDBY
-        self._bias = np.zeros(shape)
+        self._response = ResponseDeviation(
+            (parameters.trust_band[0], parameters.trust_band[1]),
+            parameters.dt,
+            parameters.poles,
+            parameters.coefficients,
+        )
+        self._input = RecentSignal(parameters.measure_window, shape)
+        self._residual = RecentSignal(parameters.measure_window, shape)
+        self._hold = round(parameters.input_hold * parameters.sample_rate)
         self._not_finite = np.zeros(shape)
         self._unknown = np.zeros(shape)
+        self._begin()
+
+    def _begin(self) -> None:
+        self._phase = Phase.STANDBY
+        self._bias = np.zeros(self.shape)
+        self._silent = np.full(self.shape, np.inf)
         self._last: Identification | None = None
+        self._measured: Verdict | None = None
 
     @property
     def counters(self) -> dict[str, Array | int]:
@@ -137,17 +164,24 @@ class IdentifierCore:
             self.reset()
         elif arrival is Arrival.GAP:
             self.regressor.clear()
-            self.estimator.interrupt()
         finite = np.isfinite(upper)
         self._not_finite = self._not_finite + ~finite
         self._unknown = self._unknown + ~np.isfinite(voltage)
         self._calibrate(phase, upper)
         w, full = self.regressor.form(voltage, self._bias)
+        if not full.all():
+            self.estimator.interrupt(~full)
+            self._residual.clear(~full)
+            self._input.clear(~full)
         y = np.where(finite, upper - self._bias, 0.0)
-        active = full & finite & (phase in self._phases) & self._excited(w)
+        active = full & finite & self._excited(voltage) & (phase in self._phases)
         error = self.estimator.update(w, y, active)
         self.regressor.take(np.where(finite, upper, np.nan))
-        self._last = self._report(k, np.where(active, error, np.nan))
+        used = self.estimator.used
+        if used.any():
+            self._input.push(w[..., self.parameters.poles], used)
+            self._residual.push(np.where(used, error, 0.0), used)
+        self._last = self._report(k, np.where(used, error, np.nan), bool(used.any()))
         return self._last
 
     def reset(self) -> None:
@@ -155,8 +189,9 @@ class IdentifierCore:
         self.regressor.clear()
         self.estimator.reset()
         self.calibration.reset()
-        self._bias = np.zeros(self.shape)
-        self._phase = Phase.STANDBY
+        self._input.clear()
+        self._residual.clear()
+        self._begin()
 
     def _calibrate(self, phase: Phase, upper: Array) -> None:
         if self.parameters.bias == 'calibrate' and phase is Phase.CALIBRATE:
@@ -166,40 +201,53 @@ class IdentifierCore:
             self._bias = self.calibration.mean
         self._phase = phase
 
-    def _excited(self, w: Array) -> Mask:
-        drive = np.abs(w[..., self.parameters.poles :])
-        return np.asarray(np.maximum.reduce(drive, axis=-1) > self.parameters.input_floor)
+    def _excited(self, voltage: Array) -> Mask:
+        """Whether the input has been excited within the hold time; without it, samples tell of noise alone."""
+        loud = np.abs(voltage) > self.parameters.input_floor
+        self._silent = np.where(loud, 0.0, self._silent + 1.0)
+        return np.asarray(self._silent <= self._hold)
 
-    def _report(self, k: int, error: Array) -> Identification:
-        n = self.parameters.poles
-        theta = self.estimator.theta[..., : self.parameters.count].copy()
-        count = self.parameters.count
-        covariance = self.estimator.covariance[..., :count, :count]
-        diagonal = np.einsum('...ii->...i', covariance)
-        model = IirModel(theta[..., :n], theta[..., n:], self.parameters.delay, self.parameters.dt)
-        nan = np.full(self.shape, np.nan)
-        modulus = model.pole_modulus()
-        few = self.estimator.updates < 10 * count
-        reasons = np.where(
-            few, 'too few samples', np.where(modulus < 1.0, '', 'the model is unstable')
-        ).astype(object)
+    def _report(self, k: int, error: Array, changed: bool) -> Identification:
+        p, estimator, last = self.parameters, self.estimator, self._last
+        if last is not None and not changed:
+            return replace(last, sequence=k, prediction_error=error, bias=self._bias)
+        theta = estimator.theta[..., : p.count].copy()
+        covariance = estimator.covariance[..., : p.count, : p.count]
+        if self._measured is None or k % p.measure_period == p.measure_period - 1:
+            self._measured = self._measure(theta, covariance)
+        v = self._measured
+        diagonal = np.diagonal(covariance, axis1=-2, axis2=-1)
         return Identification(
-            k,
-            model.a,
-            model.b,
-            model.delay,
-            model.dt,
-            covariance,
-            np.sqrt(diagonal),
-            error,
-            self.estimator.noise_variance,
-            self._bias,
+            sequence=k,
+            a=theta[..., : p.poles],
+            b=theta[..., p.poles :],
+            delay=p.delay,
+            dt=p.dt,
+            covariance=covariance,
+            standard_deviation=np.sqrt(diagonal),
+            prediction_error=error,
+            noise_variance=estimator.noise_variance,
+            bias=self._bias,
+            updates=estimator.updates,
+            excitation_order=v.excitation_order,
+            information_eigenvalue=v.information_eigenvalue,
+            information_condition=v.information_condition,
+            response_deviation=v.response_deviation,
+            whiteness=v.whiteness,
+            pole_modulus=v.pole_modulus,
+            converged=v.converged,
+            verdict=v,
+        )
+
+    def _measure(self, theta: Array, covariance: Array) -> Verdict:
+        p = self.parameters
+        return judge(
+            p,
             self.estimator.updates,
-            np.zeros(self.shape, dtype=np.int64),
-            nan,
-            nan,
-            nan,
-            modulus,
-            ~few & (modulus < 1.0),
-            reasons,
+            theta,
+            np.asarray(pole_modulus(theta[..., : p.poles])),
+            self._input.excitation_order(2 * p.count),
+            information_measures(self.estimator.U, self.estimator.d),
+            self._response(theta, covariance),
+            self._residual.whiteness(p.whiteness_lags),
         )

@@ -9,8 +9,16 @@ from satvib_common.parameters import LoopParameters
 from satvib_common.phases import Phase
 from satvib_common.schema import param
 
-ESTIMATORS = ('least_squares',)
-FORGETTING = ('none', 'exponential')
+ESTIMATORS = ('least_squares', 'extended', 'instrumental')
+FORGETTING = (
+    'none',
+    'exponential',
+    'variable_rate',
+    'directional',
+    'resetting',
+    'dead_zone',
+    'window',
+)
 BIAS = ('calibrate', 'none')
 
 
@@ -29,48 +37,116 @@ class IdentifierParameters(LoopParameters):
         read_only=True,
     )
     estimator: str = param(
-        'least_squares', 'how the parameters are estimated', choices=ESTIMATORS, read_only=True
-    )
-    forgetting: str = param('none', 'what happens to old data', choices=FORGETTING, read_only=True)
-    forgetting_factor: float = param(
-        0.99,
-        'lambda: weight of a sample relative to the one after it',
-        above=0.0,
-        maximum=1.0,
+        'least_squares',
+        'least_squares (Theorem 4.1), extended (with a model of the noise) or instrumental '
+        '(instrumental variable: free of bias from sensor noise)',
+        choices=ESTIMATORS,
         read_only=True,
     )
+    noise_coefficients: int = param(
+        2, 'coefficients of the noise model, c (extended, instrumental)', minimum=1, maximum=20,
+        read_only=True,
+    )  # fmt: skip
     initial_covariance: float = param(
-        1e18,
-        'diagonal of P(0) per unit of noise variance; large: the data alone decide',
-        above=0.0,
-        maximum=1e30,
-        read_only=True,
-    )
+        1e18, 'diagonal of P(0) per unit of noise variance; large: the data alone decide', above=0.0,
+        maximum=1e30, read_only=True,
+    )  # fmt: skip
     covariance_limit: float = param(
         1e6, 'largest trace of P that forgetting may reach', above=0.0, maximum=1e30, read_only=True
     )
     initial_theta: tuple[float, ...] = param(
         (), 'estimate to start from, a then b; empty: zeros', read_only=True
     )
-    input_floor: float = param(
-        1e-6,
-        'a sample counts only if a voltage of its regressor is larger than this',
-        unit='V',
-        minimum=0.0,
+
+    forgetting: str = param('none', 'rule for old data', choices=FORGETTING, read_only=True)
+    forgetting_factor: float = param(
+        0.98,
+        'lambda of exponential and directional forgetting: weight of a sample relative to the next',
+        above=0.0,
+        maximum=1.0,
         read_only=True,
     )
+    regressor_floor: float = param(
+        0.0, 'directional: a regressor shorter than this is left out (m/s^2 and V mixed)',
+        minimum=0.0, read_only=True,
+    )  # fmt: skip
+    short_window: int = param(
+        20, 'variable_rate: the recent errors', unit='samples', minimum=1, maximum=100000,
+        read_only=True,
+    )  # fmt: skip
+    long_window: int = param(
+        100, 'variable_rate: the errors before those', unit='samples', minimum=1, maximum=100000,
+        read_only=True,
+    )  # fmt: skip
+    confidence: float = param(
+        0.999, 'variable_rate: probability to forget nothing while nothing changes', above=0.0,
+        below=1.0, read_only=True,
+    )  # fmt: skip
+    forgetting_rate: float = param(
+        1.0, 'variable_rate: eta, how fast to forget after a change', minimum=0.0, read_only=True
+    )
+    error_floor: float = param(
+        1e-6, 'variable_rate: errors below this count as this', unit='m/s^2', above=0.0,
+        read_only=True,
+    )  # fmt: skip
+    reset_threshold: float = param(
+        1e-4, 'resetting: P is reset when its smallest eigenvalue is below', above=0.0,
+        read_only=True,
+    )  # fmt: skip
+    reset_covariance: float = param(
+        1.0, 'resetting: diagonal of P after a reset', above=0.0, read_only=True
+    )
+    dead_zone: float = param(
+        0.3, 'dead_zone: errors up to this are left out', unit='m/s^2', minimum=0.0, read_only=True
+    )
+    window: int = param(
+        200, 'window: the samples that count', unit='samples', minimum=1, maximum=100000,
+        read_only=True,
+    )  # fmt: skip
+
     estimate_in: tuple[str, ...] = param(
-        ('IDENTIFY',),
-        'phases in which the estimate is updated',
-        choices=tuple(phase.name for phase in Phase),
-        read_only=True,
+        ('IDENTIFY',), 'phases in which the estimate is updated',
+        choices=tuple(phase.name for phase in Phase), read_only=True,
+    )  # fmt: skip
+    input_floor: float = param(
+        1e-6, 'a voltage up to this is no excitation', unit='V', minimum=0.0, read_only=True
     )
+    input_hold: float = param(
+        0.5, 'samples count for this long after the last excitation; then they tell of noise alone',
+        unit='s', minimum=0.0, read_only=True,
+    )  # fmt: skip
     bias: str = param(
-        'calibrate',
-        'the upper sensor: calibrate (mean over CALIBRATE is taken off) or none',
-        choices=BIAS,
+        'calibrate', 'the upper sensor: calibrate (mean over CALIBRATE is taken off) or none',
+        choices=BIAS, read_only=True,
+    )  # fmt: skip
+
+    measure_period: int = param(
+        1, 'samples between evaluations of the measures of trust', unit='samples', minimum=1,
         read_only=True,
+    )  # fmt: skip
+    measure_window: int = param(
+        200, 'samples that excitation order and whiteness look at', unit='samples', minimum=20,
+        maximum=100000, read_only=True,
+    )  # fmt: skip
+    whiteness_lags: int = param(10, 'lags of the whiteness test, h', minimum=1, read_only=True)
+    trust_samples: int = param(10, 'samples per parameter that a trusted model needs', minimum=1)
+    trust_pole_modulus: float = param(
+        1.0, 'poles of a trusted model lie inside this circle', above=0.0
     )
+    trust_condition: float = param(
+        1e8, 'condition of the normalized information that a trusted model stays below', above=1.0
+    )
+    trust_band: tuple[float, ...] = param(
+        (5.0, 20.0), 'band in which the response of a trusted model is known', unit='Hz', above=0.0,
+        read_only=True,
+    )  # fmt: skip
+    trust_deviation: float = param(
+        0.25, 'relative deviation of that response that a trusted model stays below', above=0.0
+    )
+    trust_whiteness: float = param(
+        0.0, 'Ljung-Box statistic over its lags that a trusted model stays below; 0: not asked for',
+        minimum=0.0,
+    )  # fmt: skip
 
     @property
     def dt(self) -> float:
@@ -88,4 +164,21 @@ class IdentifierParameters(LoopParameters):
             raise SatvibError(
                 f'initial_theta: {len(self.initial_theta)} numbers; a model of {self.poles} poles and '
                 f'{self.coefficients} coefficients has {self.count}'
+            )
+        if self.reset_threshold >= self.reset_covariance:
+            raise SatvibError(
+                f'reset_threshold: {self.reset_threshold} is not below reset_covariance, '
+                f'{self.reset_covariance}'
+            )
+        simple = ('none', 'exponential', 'variable_rate', 'dead_zone')
+        if self.estimator == 'instrumental' and self.forgetting not in simple:
+            raise SatvibError(
+                f'forgetting: {self.forgetting} does not go with estimator instrumental; one of '
+                f'{", ".join(simple)} does'
+            )
+        low, high = (*self.trust_band, 0.0, 0.0)[:2]
+        if len(self.trust_band) != 2 or not low <= high or high * self.dt >= 0.5:
+            raise SatvibError(
+                f'trust_band: {list(self.trust_band)}; low and high in Hz below half the sample '
+                f'rate, {self.sample_rate / 2.0:g} Hz, are needed'
             )

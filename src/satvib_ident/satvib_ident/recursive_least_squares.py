@@ -42,6 +42,7 @@ class RecursiveLeastSquares:
         theta: (*shape, p).
         updates: (shape) samples used.
         refused: (shape) samples refused because they were not finite or too large to square.
+        used, kept: (shape) whether the last sample was used, and its lambda.
 
     Raises:
         SatvibError: a count of zero, or an initial covariance that is not positive.
@@ -95,13 +96,18 @@ class RecursiveLeastSquares:
         """Update along `w` (*shape, p) for an error (shape) made elsewhere; gives alpha (shape)."""
         use = np.isfinite(error) & active
         error = np.where(use, error, 0.0)
-        forgotten, use = self.forgetting.apply(self, w, error, use)
+        forgotten, error, use = self.forgetting.apply(self, w, error, use)
+        return self._measure(w, error, forgotten, use)
+
+    def _measure(self, w: Array, error: Array, forgotten: Array | float, use: Mask) -> Array:
+        """Eqs. (25)-(27) and the sum of residuals; gives alpha (shape)."""
         _, alpha = ud.measure(w, error, forgotten, self.limit, use, self.theta, self.U, self.d)
         used = alpha > 0.0
-        keep = np.where(used, forgotten, 1.0)
+        self.used: Mask = used
+        self.kept: Array = np.where(used, forgotten, 1.0)
         share = np.where(used, error * error / np.where(used, alpha, 1.0), 0.0)
-        self._residuals = keep * self._residuals + share
-        self._weight = keep * self._weight + used
+        self._residuals = self.kept * self._residuals + share
+        self._weight = self.kept * self._weight + used
         self.updates = self.updates + used
         self.refused = self.refused + (alpha < 0.0)
         return np.asarray(alpha)

@@ -10,66 +10,34 @@ to the numbers inside. Everything that the estimators do to P is made of these o
     weigh     w^T P^-1 w
 
 `measure` also moves the estimate, Eq. (25): theta <- theta + K e. It is the only place of the package where that is
-done; forgetting is what happens to lambda and P before it.
+done; forgetting is what happens to lambda and P before it. `remove` takes a sample back with `add`.
 
 G. J. Bierman, Factorization Methods for Discrete Sequential Estimation, Academic Press, 1977, sections III.4 and V.3.
 """
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from satvib_common.kernel import kernel
 
-# Elements are kept within these, so that neither a million strong samples nor a million silent ones reach 0 or
-# infinity.
+# Elements are kept within these: neither a million strong samples nor a million silent ones reach 0 or infinity.
 SMALLEST = 1e-150
 LARGEST = 1e150
 
 
-@kernel(
-    'void(f8[:], f8, f8, f8, b1, f8[:], f8[:,:], f8[:], f8[:], f8[:])',
-    '(p),(),(),(),(),(p),(p,p),(p)->(p),()',
-    writable=('theta', 'U', 'd'),
-)
-def measure(w, error, forgetting, limit, active, theta, U, d, gain, alpha):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """One recursive least-squares update of (theta, U, d), in place.
-
-    Args:
-        w: (p) regressor of the gain.
-        error: () prediction error e(k) = y - w^T theta.
-        forgetting: () lambda in (0, 1].
-        limit: () largest trace of P; lambda is raised where forgetting would pass it.
-        active: () bool; nothing changes where it is false.
-        theta: (p) estimate, changed.
-        U: (p, p) unit upper triangular factor, changed.
-        d: (p) diagonal factor, changed.
-        gain: (p) out, K(k); 0 where nothing changed.
-        alpha: () out, 1 + w^T (P / lambda) w; 0 where inactive; -1 where the sample was refused because it is not
-            finite, or so large that its square is not.
-    """
+@njit
+def _measure(w, error, scale, theta, U, d, gain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Bierman's update of P * scale; gives alpha, or -1 and changes nothing."""
     p = d.shape[0]
-    alpha[0] = 0.0
-    for j in range(p):
-        gain[j] = 0.0
-    if not active:
-        return
-    scale = 1.0
-    if forgetting < 1.0:
-        trace = 0.0
-        for j in range(p):
-            column = 1.0
-            for i in range(j):
-                column += U[i, j] * U[i, j]
-            trace += d[j] * column
-        scale = 1.0 / max(forgetting, min(1.0, trace / limit))
     total = 1.0  # look before anything is changed
     for j in range(p):
+        gain[j] = 0.0
         f = w[j]
         for i in range(j):
             f += U[i, j] * w[i]
         total += f * f * (d[j] * scale)
     if not (total < 1e280 and abs(error) < 1e140):
-        alpha[0] = -1.0
-        return
+        return -1.0
     before = 1.0
     for j in range(p):
         f = w[j]
@@ -93,48 +61,188 @@ def measure(w, error, forgetting, limit, active, theta, U, d, gain, alpha):  # t
         moved = theta[j] + gain[j] * error
         if abs(moved) < LARGEST:
             theta[j] = moved
-    alpha[0] = before
+    return before
 
 
-@kernel(
-    'void(f8[:], f8, b1, f8[:,:], f8[:], f8[:])', '(p),(),(),(p,p),(p)->(p)', writable=('U', 'd')
-)
-def add(v, c, active, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """P <- P + c v v^T in place, c >= 0, where `active` holds; `work` (p) comes out as U^-1 v."""
-    p = d.shape[0]
-    for j in range(p):
-        work[j] = v[j]
-    good = active and c > 0.0 and c < LARGEST
-    rest = c
-    for j in range(p - 1, -1, -1):
+@njit
+def _add(c, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """P <- P + c v v^T; `work` holds v and is used up."""
+    for j in range(d.shape[0] - 1, -1, -1):
         s = work[j]
         old = d[j]
-        new = old
-        if good:
-            new = min(old + rest * s * s, LARGEST)
-            d[j] = new
+        new = min(old + c * s * s, LARGEST)
+        d[j] = new
+        slope = c * s / new
         for i in range(j):
             entry = U[i, j]
             work[i] -= s * entry
-            if good:
-                changed = entry + rest * s / new * work[i]
-                if abs(changed) < LARGEST:
-                    U[i, j] = changed
-        rest *= old / new
+            changed = entry + slope * work[i]
+            if abs(changed) < LARGEST:
+                U[i, j] = changed
+        c *= old / new
 
 
-@kernel('void(f8[:], f8[:,:], f8[:], f8[:], f8[:])', '(p),(p,p),(p)->(p),()')
-def weigh(w, U, d, work, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """w^T P^-1 w, (); `work` (p) comes out as U^-1 w."""
-    p = d.shape[0]
+@njit
+def _trace(U, d):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     total = 0.0
+    for j in range(d.shape[0]):
+        column = 1.0
+        for i in range(j):
+            column += U[i, j] * U[i, j]
+        total += d[j] * column
+    return total
+
+
+@kernel(
+    'void(f8[:], f8, f8, f8, b1, f8[:], f8[:,:], f8[:], f8[:], f8[:])',
+    '(p),(),(),(),(),(p),(p,p),(p)->(p),()',
+    writable=('theta', 'U', 'd'),
+)
+def measure(w, error, forgetting, limit, active, theta, U, d, gain, alpha):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """One recursive least-squares update of (theta, U, d), in place.
+
+    Args:
+        w: (p) regressor of the gain.
+        error: () prediction error e(k) = y - w^T theta.
+        forgetting: () lambda in (0, 1].
+        limit: () largest trace of P; lambda is raised where forgetting would pass it.
+        active: () bool; nothing changes where it is false.
+        theta: (p) estimate, changed.
+        U: (p, p) unit upper triangular factor, changed.
+        d: (p) diagonal factor, changed.
+        gain: (p) out, K(k); 0 where nothing changed.
+        alpha: () out, 1 + w^T (P / lambda) w; 0 where inactive; -1 where the sample was refused because it is not
+            finite, or so large that its square is not.
+    """
+    if not active:
+        alpha[0] = 0.0
+        for j in range(d.shape[0]):
+            gain[j] = 0.0
+        return
+    scale = 1.0
+    if forgetting < 1.0:
+        scale = 1.0 / max(forgetting, min(1.0, _trace(U, d) / limit))
+    alpha[0] = _measure(w, error, scale, theta, U, d, gain)
+
+
+@kernel(
+    'void(f8[:], f8, f8, b1, f8[:,:], f8[:], f8[:])',
+    '(p),(),(),(),(p,p),(p)->(p)',
+    writable=('U', 'd'),
+)
+def forget_along(w, forgetting, limit, active, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Forget along one direction only: P <- P + (1/lambda - 1) w w^T / (w^T P^-1 w), in place.
+
+    The information w^T P^-1 w falls to lambda times itself; that of every direction that P^-1 holds orthogonal to w
+    stays.
+
+    Args:
+        w: (p) direction.
+        forgetting: () lambda in (0, 1].
+        limit: () largest trace of P; nothing is forgotten beyond it.
+        active: () bool; nothing changes where it is false, nor where w is 0.
+        U: (p, p) unit upper triangular factor, changed.
+        d: (p) diagonal factor, changed.
+        work: (p) out, of no use.
+    """
+    p = d.shape[0]
     for j in range(p):
         work[j] = w[j]
+    if not active or not forgetting < 1.0:
+        return
+    information = 0.0
+    length = 0.0
     for j in range(p - 1, -1, -1):
         for i in range(j):
             work[i] -= work[j] * U[i, j]
-        total += work[j] * work[j] / d[j]
-    out[0] = total
+        information += work[j] * work[j] / d[j]
+        length += w[j] * w[j]
+    if not 0.0 < information < 1e280 or not length < 1e280:
+        return
+    c = (1.0 / forgetting - 1.0) / information
+    if _trace(U, d) + c * length > limit:
+        return
+    for j in range(p):
+        work[j] = w[j]
+    _add(c, U, d, work)
+
+
+@njit
+def _remove(w, y, theta, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Take a sample out of (theta, P); gives False, and changes nothing, where rounding would decide."""
+    p = d.shape[0]
+    share = 0.0
+    error = y
+    for j in range(p):
+        f = w[j]
+        for i in range(j):
+            f += U[i, j] * w[i]
+        work[j] = d[j] * f
+        share += f * work[j]
+        error -= w[j] * theta[j]
+    left = 1.0 - share
+    if not left > 1e-4:
+        return False
+    for i in range(p):  # P w = U (D U^T w)
+        total = work[i]
+        for j in range(i + 1, p):
+            total += U[i, j] * work[j]
+        work[i] = total
+        theta[i] -= total / left * error
+    _add(1.0 / left, U, d, work)
+    return True
+
+
+@kernel(
+    'void(f8[:], f8, b1, f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:,:], f8[:], f8[:])',
+    '(p),(),(),(p),(p),(s,q),(c),(p),(p,p),(p)->(p)',
+    writable=('ring', 'state', 'theta', 'U', 'd'),
+)
+def slide(w, y, active, theta0, P0, ring, state, theta, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Make room for a sample (w, y) in a window: take the oldest out of (theta, U, d), and remember the new one.
+
+    Once a window, and where a removal is too close to singular, everything is built up again from the samples held,
+    so that rounding does not gather. The caller measures the new sample afterwards.
+
+    Args:
+        w: (p) new regressor.
+        y: () new output.
+        active: () bool; nothing changes where it is false.
+        theta0: (p) estimate before any data.
+        P0: (p) diagonal covariance before any data.
+        ring: (s, p + 1) samples held, changed.
+        state: (2) samples held and next place, changed.
+        theta: (p), changed.
+        U: (p, p), changed.
+        d: (p), changed.
+        work: (p) out, of no use.
+    """
+    p = d.shape[0]
+    if not active:
+        return
+    size = ring.shape[0]
+    held = int(state[0])
+    place = int(state[1])
+    sound = True
+    if held == size:
+        sound = _remove(ring[place, :p], ring[place, p], theta, U, d, work)
+    if held == size and (not sound or place == 0):
+        for j in range(p):
+            theta[j] = theta0[j]
+            d[j] = P0[j]
+            for i in range(p):
+                U[i, j] = 1.0 if i == j else 0.0
+        for step in range(1, size):
+            k = (place + step) % size
+            error = ring[k, p]
+            for j in range(p):
+                error -= ring[k, j] * theta[j]
+            _measure(ring[k, :p], error, 1.0, theta, U, d, work)
+    for j in range(p):
+        ring[place, j] = w[j]
+    ring[place, p] = y
+    state[0] = min(held + 1, size)
+    state[1] = (place + 1) % size
 
 
 @kernel('void(f8[:], f8[:], f8[:])', '(p),(p)->()')
@@ -165,7 +273,7 @@ def _assemble(U, d, P):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
 def covariance(U: NDArray[np.float64], d: NDArray[np.float64]) -> NDArray[np.float64]:
     """P = U D U^T, (..., p, p), the same above and below the diagonal to the last bit.
 
-    The diagonal is 16 p^2 units of rounding larger than computed (4e-14 for five parameters): so much that the
+    The diagonal is 16 p^2 units of rounding larger than computed (4.5e-14 for five parameters): so much that the
     rounded matrix is positive definite too and its Cholesky factorization in double precision succeeds, whatever its
     condition (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, theorem 10.7).
     """

@@ -36,8 +36,8 @@ class ExponentialForgetting(NoForgetting):
         self,
         estimator: Factors,  # noqa: ARG002
         w: Array,  # noqa: ARG002
-        error: Array,  # noqa: ARG002
+        error: Array,
         active: Mask,
-    ) -> tuple[Array | float, Mask]:
+    ) -> tuple[Array | float, Array, Mask]:
         """Forget at the fixed rate."""
-        return self.factor, active
+        return self.factor, error, active

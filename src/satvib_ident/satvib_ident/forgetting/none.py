@@ -21,11 +21,11 @@ class NoForgetting:
         self,
         estimator: Factors,  # noqa: ARG002
         w: Array,  # noqa: ARG002
-        error: Array,  # noqa: ARG002
+        error: Array,
         active: Mask,
-    ) -> tuple[Array | float, Mask]:
+    ) -> tuple[Array | float, Array, Mask]:
         """Leave everything as it is."""
-        return 1.0, active
+        return 1.0, error, active
 
     def reset(self, mask: Mask) -> None:
         """Nothing to forget."""

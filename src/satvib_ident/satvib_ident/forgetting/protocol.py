@@ -33,7 +33,7 @@ class Forgetting(Protocol):
 
     def apply(
         self, estimator: Factors, w: Array, error: Array, active: Mask
-    ) -> tuple[Array | float, Mask]:
+    ) -> tuple[Array | float, Array, Mask]:
         """Change the factors if the rule says so, before the measurement.
 
         Args:
@@ -43,7 +43,8 @@ class Forgetting(Protocol):
             active: (shape) whether the sample is to be used.
 
         Returns:
-            lambda (shape or scalar) for the measurement, and whether the sample is still to be used (shape).
+            lambda (shape or scalar) for the measurement, the prediction error (shape; another one if the rule has
+            moved the estimate), and whether the sample is still to be used (shape).
         """
 
     def reset(self, mask: Mask) -> None:

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Recursive extended least squares: the noise gets a model of its own, so that it no longer bends the plant's.
+
+    A(q) y = B(q) u + C(q) e,   w_x = [w, r(k-1) ... r(k-c)],   r(k) = y(k) - w_x(k)^T theta(k)
+
+Sensor noise on the output of the paper's model is A(q) e: plain least squares takes it for white and is off for
+ever; with c = n the model holds it exactly. It converges where 1/C - 1/2 is positive real: well damped poles. For
+poles near the unit circle use the instrumental variable.
+
+L. Ljung and T. Soederstroem, Theory and Practice of Recursive Identification, 1983, section 2.2.3 (RELS).
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from satvib_common.errors import SatvibError
+
+from satvib_ident import ud
+from satvib_ident.forgetting import Forgetting
+from satvib_ident.recursive_least_squares import RecursiveLeastSquares
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+class ExtendedLeastSquares(RecursiveLeastSquares):
+    """Least squares with `noise` further parameters c1..; theta is (*shape, p + noise).
+
+    Args:
+        count: p, parameters of the plant.
+        noise: c, coefficients of C(q).
+        shape: leading axes.
+        forgetting: what happens to old data.
+        initial_covariance: diagonal of P(0).
+        initial_theta: theta(0) of the plant, (p) or a scalar; the noise starts from 0.
+        limit: largest trace of P that forgetting may reach.
+    """
+
+    def __init__(
+        self,
+        count: int,
+        noise: int,
+        shape: tuple[int, ...] = (),
+        forgetting: Forgetting | None = None,
+        initial_covariance: float = 1e18,
+        initial_theta: ArrayLike = 0.0,
+        limit: float = 0.0,
+    ) -> None:
+        if noise < 1:
+            raise SatvibError(f'noise_coefficients: {noise}; at least one is needed')
+        theta = np.zeros(count + noise)
+        theta[:count] = np.asarray(initial_theta, dtype=float)
+        super().__init__(count + noise, shape, forgetting, initial_covariance, theta, limit)
+        self.plant = count
+        self._residual = np.zeros((*shape, noise))
+        self._peak = np.zeros(shape)
+
+    def update(self, w: Array, y: Array, active: Mask | bool = True) -> Array:
+        """Take one sample; `w` is that of the plant, (*shape, p)."""
+        extended = np.concatenate([w, self._residual], axis=-1)
+        error: Array = y - ud.dot(extended, self.theta)
+        self.correct(extended, error, active)
+        left = y - ud.dot(extended, self.theta)
+        # a residual beyond the signal itself tells of a wrong noise model; unclipped it would feed on itself
+        self._peak = np.where(np.isfinite(y), np.maximum(np.abs(y), 0.999 * self._peak), self._peak)
+        left = np.minimum(np.maximum(left, -self._peak), self._peak)
+        self._residual[..., 1:] = self._residual[..., :-1]
+        self._residual[..., 0] = np.where(np.isfinite(left), left, 0.0)
+        return error
+
+    def interrupt(self, mask: Mask | bool = True) -> None:
+        """Forget the residuals where `mask` (shape) holds."""
+        self._residual[...] = np.where(np.asarray(mask)[..., None], 0.0, self._residual)
+
+    def reset(self, mask: Mask | bool = True) -> None:
+        """Begin anew where `mask` (shape) holds."""
+        super().reset(mask)
+        self._peak = np.where(mask, 0.0, self._peak)
+        self.interrupt(mask)

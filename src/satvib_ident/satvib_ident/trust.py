@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a model may be believed, and why not.
+
+The checks, in the order in which they are named:
+
+1. enough samples have been used (at least `trust_samples` per parameter);
+2. the estimate is finite;
+3. the model is stable (pole modulus below `trust_pole_modulus`), because the struts are;
+4. the input was persistently exciting of the order n + m, at the last sample that was used;
+5. the information matrix is regular (condition below `trust_condition`);
+6. the frequency response is known in `trust_band` (relative deviation below `trust_deviation`);
+7. the residual is white (Q / h below `trust_whiteness`), if asked for.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from satvib_ident.parameters import IdentifierParameters
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """What was measured, arrays of one shape, and which check failed first (0: none)."""
+
+    parameters: IdentifierParameters
+    updates: Array
+    finite: Mask
+    pole_modulus: Array
+    excitation_order: Array
+    information_eigenvalue: Array
+    information_condition: Array
+    response_deviation: Array
+    whiteness: Array
+    failed: NDArray[np.int64]
+
+    @property
+    def converged(self) -> Mask:
+        """The model may be believed, (shape)."""
+        return self.failed == 0
+
+    def reason(self, index: tuple[int, ...] = ()) -> str:
+        """Why the model of one item may not be believed; '' when it may."""
+        p = self.parameters
+        match int(self.failed[index]):
+            case 1:
+                return f'{self.updates[index]:.0f} samples used of {p.trust_samples * p.count}'
+            case 2:
+                return 'the estimate is not finite'
+            case 3:
+                return f'unstable: pole modulus {self.pole_modulus[index]:.3f}'
+            case 4:
+                return (
+                    f'the input excites order {self.excitation_order[index]:.0f}, '
+                    f'{p.count} parameters need {p.count}'
+                )
+            case 5:
+                return f'ill-conditioned information: {self.information_condition[index]:.1e}'
+            case 6:
+                low, high = p.trust_band
+                return (
+                    f'response uncertain by {100.0 * self.response_deviation[index]:.0f} % '
+                    f'between {low:g} and {high:g} Hz, {100.0 * p.trust_deviation:g} % allowed'
+                )
+            case 7:
+                return f'residual not white: Q/h {self.whiteness[index]:.1f}'
+            case _:
+                return ''
+
+    @property
+    def reasons(self) -> NDArray[np.object_]:
+        """The reason of every item, object array (shape) of str."""
+        out = np.empty(self.failed.shape, dtype=object)
+        for index in np.ndindex(self.failed.shape):
+            out[index] = self.reason(index)
+        return out
+
+
+def judge(
+    parameters: IdentifierParameters,
+    updates: Array,
+    theta: Array,
+    pole_modulus: Array,
+    excitation_order: Array,
+    information: tuple[Array, Array],
+    response_deviation: Array,
+    whiteness: Array,
+) -> Verdict:
+    """Run the checks on arrays of one shape (theta: (*shape, p))."""
+    p = parameters
+    finite = np.asarray(np.logical_and.reduce(np.isfinite(theta), axis=-1))
+    eigenvalue, condition = information
+    # the first failure counts, so the checks are laid over one another from the last to the first; ~(x < limit)
+    # also fails what is not a number
+    failed = np.zeros(updates.shape, dtype=np.int64)
+    if p.trust_whiteness > 0.0:
+        failed = np.where(whiteness > p.trust_whiteness, 7, failed)
+    failed = np.where(~(response_deviation < p.trust_deviation), 6, failed)
+    failed = np.where(~(condition < p.trust_condition), 5, failed)
+    failed = np.where(excitation_order < p.count, 4, failed)
+    failed = np.where(~(pole_modulus < p.trust_pole_modulus), 3, failed)
+    failed = np.where(~finite, 2, failed)
+    failed = np.where(updates < p.trust_samples * p.count, 1, failed)
+    return Verdict(
+        p, updates, finite, pole_modulus, excitation_order, eigenvalue, condition,
+        response_deviation, whiteness, np.asarray(failed),
+    )  # fmt: skip
