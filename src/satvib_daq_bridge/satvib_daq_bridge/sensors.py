@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""From volts to accelerations, and what a sensor must not do.
+
+    acceleration = polarity (volts - zero_voltage) / sensitivity
+
+A sensor is at fault when its reading is no number, when it stands at an end of the converter's range (railed: a broken
+wire, a dead supply), or when it repeats one value for `stuck_time` (a frozen converter; noise moves a live one). A
+device that stops sampling altogether is the caller's to notice: there is no reading then.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from satvib_daq_bridge.channels import SensorChannel
+
+Array = NDArray[np.float64]
+
+# of the span: nearer than this to an end of the range counts as railed
+_MARGIN = 0.005
+
+
+class Sensors:
+    """All inputs of a bridge, in the order of `Channels.inputs`.
+
+    Args:
+        inputs: names and channels.
+        rate: Hz, sample rate.
+        railed_samples: readings in a row at an end of the range that make a fault.
+    """
+
+    def __init__(
+        self, inputs: Sequence[tuple[str, SensorChannel]], rate: float, railed_samples: int = 5
+    ) -> None:
+        self.names = [name for name, _ in inputs]
+        channels = [channel for _, channel in inputs]
+        self._zero = np.array([c.zero_voltage for c in channels])
+        self._scale = np.array([c.polarity / c.sensitivity for c in channels])
+        low, high = np.array([c.range for c in channels]).reshape(-1, 2).T
+        margin = np.maximum(_MARGIN * (high - low), [c.step for c in channels])
+        self._low, self._high = low + margin, high - margin
+        self._railed_samples = railed_samples
+        self._stuck_samples = np.array(
+            [max(round(c.stuck_time * rate), 2) if c.stuck_time else np.inf for c in channels]
+        )
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was read so far."""
+        self._last = np.full(len(self.names), np.nan)
+        self._same = np.zeros(len(self.names))
+        self._railed = np.zeros(len(self.names))
+
+    def acceleration(self, volts: Array) -> Array:
+        """Give m/s^2 (inputs) for V (inputs)."""
+        return self._scale * (volts - self._zero)
+
+    def watch(self, volts: Array) -> str:
+        """Take one reading (inputs, V); gives what is wrong, empty when nothing is."""
+        same = volts == self._last
+        self._same = np.where(same, self._same + 1.0, 1.0)
+        outside = (volts <= self._low) | (volts >= self._high)
+        self._railed = np.where(outside, self._railed + 1.0, 0.0)
+        self._last = volts
+        for what, wrong in (
+            ('reads no number', ~np.isfinite(volts)),
+            ('is railed', self._railed >= self._railed_samples),
+            ('is stuck', self._same >= self._stuck_samples),
+        ):
+            if wrong.any():
+                which = int(np.argmax(wrong))
+                return f'{self.names[which]} {what} at {volts[which]:g} V'
+        return ''
