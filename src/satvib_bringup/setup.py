@@ -21,5 +21,10 @@ setup(
     description='Scenarios, live experiments, the offline twin, recording and reports',
     license='Apache-2.0',
     extras_require={'test': ['pytest']},
-    entry_points={'console_scripts': ['satvib = satvib_bringup.cli:main']},
+    entry_points={
+        'console_scripts': [
+            'satvib = satvib_bringup.cli:main',
+            'recorder = satvib_bringup.recorder_node:main',
+        ],
+    },
 )

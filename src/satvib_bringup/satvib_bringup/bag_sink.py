@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Writes a rosbag2 bag (MCAP) from a thread of its own, so that nobody waits for the disk.
+
+Twice a second what has been written is closed into a chunk and handed to the operating system: a recorder that is
+killed loses half a second, and `salvage` makes a bag of the rest.
+"""
+
+import threading
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rosbags.interfaces import Connection, Qos
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2.errors import WriterError
+from satvib_common.errors import RunError, SatvibError
+
+_BATCH = 0.05  # s
+_FLUSH_EVERY = 10  # batches
+
+
+@dataclass
+class Channel:
+    """A topic of the bag: its name, the type of its messages with definition and hash, and what its writer offers."""
+
+    topic: str
+    kind: str
+    text: str
+    type_hash: str
+    qos: Qos
+    connection: Connection | None = None
+
+
+class BagSink:
+    """A bag that is being written.
+
+    Args:
+        folder: of the bag; it must not exist.
+        custom: texts stored beside the messages.
+
+    Raises:
+        SatvibError: the folder exists or cannot be made.
+    """
+
+    def __init__(self, folder: Path, custom: Mapping[str, str]) -> None:
+        self.folder = folder
+        self.written = 0
+        self._failure: Exception | None = None
+        self._queue: deque[tuple[Channel, int, bytes]] = deque()
+        self._end = threading.Event()
+        self._writer = open_bag(folder, custom)
+        self._thread = threading.Thread(target=self._work, name='bag', daemon=True)
+        self._thread.start()
+
+    def put(self, channel: Channel, time: int, message: bytes) -> None:
+        """Hand over a serialized message; `time` in ns. Never waits."""
+        self._queue.append((channel, time, message))
+
+    def check(self) -> None:
+        """Say when the disk has failed.
+
+        Raises:
+            RunError: why.
+        """
+        if self._failure is not None:
+            raise RunError(f'{self.folder}: cannot be written: {self._failure}')
+
+    def close(self) -> None:
+        """Write what is left, index and metadata.
+
+        Raises:
+            RunError: the disk has failed; what was written before stays.
+        """
+        self._end.set()
+        self._thread.join()
+        self.check()
+        try:
+            self._writer.close()
+        except OSError as error:
+            self._failure = error
+        self.check()
+
+    def _work(self) -> None:
+        batches = 0
+        try:
+            while not self._end.wait(_BATCH):
+                self._write_queue()
+                batches += 1
+                if batches % _FLUSH_EVERY == 0:
+                    self._flush()
+            self._write_queue()
+        except OSError as error:
+            self._failure = error
+
+    def _write_queue(self) -> None:
+        queue, write = self._queue, self._writer.write
+        for _ in range(len(queue)):
+            channel, time, message = queue.popleft()
+            write(channel.connection or self._connect(channel), time, message)
+            self.written += 1
+
+    def _connect(self, channel: Channel) -> Connection:
+        channel.connection = self._writer.add_connection(
+            channel.topic,
+            channel.kind,
+            msgdef=channel.text,
+            rihs01=channel.type_hash,
+            offered_qos_profiles=[channel.qos],
+        )
+        return channel.connection
+
+    def _flush(self) -> None:
+        """Close the chunk, so that a reader without an index finds it."""
+        storage: Any = self._writer.storage
+        if storage.chunk.bio.tell():
+            storage.close_chunk()
+            storage.bio.flush()
+
+
+def open_bag(folder: Path, custom: Mapping[str, str]) -> Writer:
+    """Open a new bag.
+
+    Raises:
+        SatvibError: the folder exists or cannot be made.
+    """
+    try:
+        writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
+        writer.open()
+    except WriterError:
+        raise SatvibError(f'{folder}: exists already, not overwriting') from None
+    except OSError as error:
+        raise SatvibError(f'{folder}: cannot be made: {error.strerror}') from None
+    for key, value in custom.items():
+        writer.set_custom_data(key, value)
+    return writer

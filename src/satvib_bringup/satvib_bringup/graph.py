@@ -1,0 +1,192 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which processes make up the live graph of a scenario, and with which parameters.
+
+One description for the runner and for the launch file:
+
+    plant_sim                  source of the samples
+    strut_i/strut_controller   answers them
+    strut_i/strut_identifier   watches both
+    recorder                   writes it all down
+
+Nothing here knows ROS: a description is plain data.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+import yaml
+from satvib_common.phases import Phase, PhasePlan
+from satvib_plant_sim.parameters import PlantParameters
+
+from satvib_bringup.bag import custom_data
+from satvib_bringup.recording_check import REPORT, expected_models
+from satvib_bringup.scenario import Scenario
+
+# Topics of a strut that are recorded, and the type of their messages.
+STRUT_TOPICS = {
+    'acceleration': 'satvib_msgs/msg/StrutAcceleration',
+    'voltage': 'satvib_msgs/msg/VcaVoltage',
+    'identified_model': 'satvib_msgs/msg/IirParameters',
+    'controller_state': 'satvib_msgs/msg/ControllerState',
+    'truth': 'satvib_msgs/msg/StrutTruth',
+}
+SHARED_TOPICS = {
+    'schedule': 'satvib_msgs/msg/Schedule',
+    '/diagnostics': 'diagnostic_msgs/msg/DiagnosticArray',
+}
+
+
+class Stage(IntEnum):
+    """In which order processes stop: whoever speaks goes before whoever listens."""
+
+    SOURCE = 0
+    CONTROLLER = 1
+    IDENTIFIER = 2
+    RECORDER = 3
+
+
+@dataclass(frozen=True)
+class Process:
+    """One process with one node.
+
+    Attributes:
+        package, executable: what is started.
+        namespace: absolute; a strut's nodes live in the strut's.
+        name: of the node.
+        parameters: plain values.
+        stage: when it stops.
+    """
+
+    package: str
+    executable: str
+    namespace: str
+    name: str
+    parameters: Mapping[str, Any]
+    stage: Stage
+
+    @property
+    def full_name(self) -> str:
+        """Namespace and name, as people see it: strut_1/strut_controller."""
+        return f'{self.namespace}/{self.name}'.lstrip('/')
+
+    def parameter_file(self) -> str:
+        """Text of a ROS parameter file with these parameters."""
+        return yaml.safe_dump({'/**': {'ros__parameters': dict(self.parameters)}}, sort_keys=False)
+
+    def arguments(self, parameter_file: Path) -> list[str]:
+        """Arguments of the executable."""
+        return [
+            '--ros-args',
+            '-r', f'__ns:={self.namespace}',
+            '-r', f'__node:={self.name}',
+            '--params-file', str(parameter_file),
+        ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Graph:
+    """The whole graph and the schedule that sets it going.
+
+    Attributes:
+        processes: in the order in which they start.
+        scenario: its name.
+        seed: of everything random.
+        sample_period: s.
+        struts: names.
+        plan: phases by sample.
+        models: how many models a strut publishes.
+        custom: texts for the bag: the scenario and the rig.
+    """
+
+    processes: tuple[Process, ...]
+    scenario: str
+    seed: int
+    sample_period: float
+    struts: tuple[str, ...]
+    plan: PhasePlan
+    models: int
+    custom: Mapping[str, str]
+
+    def topics(self) -> list[str]:
+        """Topics of the struts, absolute."""
+        return [f'/{strut}/{topic}' for strut in self.struts for topic in STRUT_TOPICS]
+
+    def readers(self) -> dict[str, int]:
+        """How many of the graph's own nodes read each topic of the loop, when all are there."""
+        recorder = sum(p.stage == Stage.RECORDER for p in self.processes)
+        found = {'/schedule': 1 + 2 * len(self.struts) + recorder}
+        own = {'acceleration': 2, 'voltage': 2, 'identified_model': 1}
+        for strut in self.struts:
+            for topic in STRUT_TOPICS:
+                found[f'/{strut}/{topic}'] = own.get(topic, 0) + recorder
+        return found
+
+
+def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None) -> Graph:
+    """Describe the graph of a scenario.
+
+    Args:
+        scenario: checked.
+        realtime: samples follow the clock; otherwise lockstep.
+        bag: folder of the bag to be written; None: nothing is recorded.
+
+    Raises:
+        SatvibError: parameters that do not fit.
+    """
+    rig = scenario.load_rig()
+    rate = rig.acquisition.sample_rate
+    struts = tuple(f'strut_{i + 1}' for i in range(rig.struts.count))
+    plant = PlantParameters(
+        rig=scenario.rig,
+        rig_overrides=tuple(f'{k}={_inline(v)}' for k, v in scenario.rig_overrides.items()),
+        disturbance=_inline(scenario.disturbance or {'kind': 'none'}),
+        seed=scenario.seed,
+        lockstep=not realtime,
+    )
+    identifier = scenario.identifier_parameters(rate, not realtime)
+    controller = scenario.controller_parameters(rate, not realtime)
+    plan = scenario.plan(rate)
+    phases = frozenset(Phase[name] for name in identifier.estimate_in)
+    custom = custom_data(scenario, rig, realtime)
+    processes = []
+    if bag is not None:
+        recorder = {
+            'folder': str(bag),
+            'struts': list(struts),
+            'report': str(bag.with_name(REPORT)),
+            'custom_keys': list(custom),
+            'custom_values': list(custom.values()),
+        }
+        processes.append(
+            Process('satvib_bringup', 'recorder', '/', 'recorder', recorder, Stage.RECORDER)
+        )
+    for i, strut in enumerate(struts):
+        processes += [
+            Process(
+                'satvib_control', 'strut_controller', f'/{strut}', 'strut_controller',
+                controller.replace(strut=i).to_mapping(), Stage.CONTROLLER,
+            ),
+            Process(
+                'satvib_ident', 'strut_identifier', f'/{strut}', 'strut_identifier',
+                identifier.to_mapping(), Stage.IDENTIFIER,
+            ),
+        ]  # fmt: skip
+    processes.append(
+        Process('satvib_plant_sim', 'plant_sim', '/', 'plant_sim', plant.to_mapping(), Stage.SOURCE)
+    )
+    return Graph(
+        tuple(processes), scenario.name, scenario.seed, 1.0 / rate, struts, plan,
+        expected_models(plan, phases, identifier.model_period), custom,
+    )  # fmt: skip
+
+
+def _inline(value: Any) -> str:
+    """YAML in one line."""
+    return json.dumps(value)

@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where the built workspace keeps what is started, and the environment in which it is started."""
+
+import os
+from pathlib import Path
+
+from ament_index_python.packages import (
+    PackageNotFoundError,
+    get_package_prefix,
+    get_package_share_directory,
+)
+from satvib_common.errors import SatvibError
+
+_PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE'
+
+
+def executable(package: str, name: str) -> Path:
+    """Path of an installed executable.
+
+    Raises:
+        SatvibError: the workspace is not built or not sourced.
+    """
+    try:
+        path = Path(get_package_prefix(package), 'lib', package, name)
+    except (PackageNotFoundError, LookupError):
+        raise SatvibError(
+            f'{package}: not found; build the workspace and source install/setup.bash, or use '
+            './satvib, which does both'
+        ) from None
+    if not path.is_file():
+        raise SatvibError(f'{path}: missing; build the workspace again with colcon build')
+    return path
+
+
+def graph_environment() -> dict[str, str]:
+    """Environment of the graph's processes.
+
+    One computing thread each, for nine processes share the machine, and the settings of Fast DDS that make discovery
+    fast, unless the user has settings.
+    """
+    found = dict(os.environ)
+    for name in ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS', 'NUMBA_NUM_THREADS'):
+        found.setdefault(name, '1')
+    profiles = Path(get_package_share_directory('satvib_bringup'), 'config', 'fastdds.xml')
+    found.setdefault(_PROFILES, str(profiles))
+    found['PYTHONUNBUFFERED'] = '1'
+    return found
+
+
+def use_profiles() -> None:
+    """Let this process use the same settings of Fast DDS; before its first node."""
+    os.environ.setdefault(_PROFILES, graph_environment()[_PROFILES])

@@ -1,0 +1,180 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Starts, watches and stops processes, and leaves no orphan.
+
+Every child has a session of its own, so that Ctrl-C at the terminal reaches the runner alone, which then stops the
+children in order. The kernel sends a child SIGTERM when the runner dies, however it dies (PR_SET_PDEATHSIG); a node
+that gets it ends by itself, at 0 V and with its files closed.
+"""
+
+import contextlib
+import ctypes
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from satvib_common.errors import SatvibError
+
+_PR_SET_PDEATHSIG = 1
+_LIBC = ctypes.CDLL(None, use_errno=True)
+
+
+@dataclass(frozen=True)
+class Exit:
+    """How a process ended.
+
+    Attributes:
+        name: of the process.
+        code: exit code, or minus the signal's number.
+        last_line: what it said last, empty when it said nothing.
+    """
+
+    name: str
+    code: int
+    last_line: str
+
+    @property
+    def how(self) -> str:
+        """In words."""
+        if self.code < 0:
+            with contextlib.suppress(ValueError):
+                return f'was killed by {signal.Signals(-self.code).name}'
+        return f'ended with exit code {self.code}'
+
+    def __str__(self) -> str:
+        """The whole of it in one line."""
+        # a node begins its last line with its own name, which is said already
+        short = self.name.rpartition('/')[2]
+        said = self.last_line.removeprefix(f'{short}: ')
+        return f'{self.name} {self.how}{": " + said if said else ""}'
+
+
+@dataclass
+class _Child:
+    name: str
+    popen: subprocess.Popen[bytes]
+    log: Path
+    sink: IO[bytes]
+    told: bool = False
+
+
+class Supervisor:
+    """A set of child processes.
+
+    Args:
+        logs: folder for one log file per process; it is made.
+        environment: of the children; None: the caller's own.
+    """
+
+    def __init__(self, logs: Path, environment: Mapping[str, str] | None = None) -> None:
+        self.logs = logs
+        self.environment = environment
+        self._children: dict[str, _Child] = {}
+        logs.mkdir(parents=True, exist_ok=True)
+
+    def __enter__(self) -> 'Supervisor':
+        """Nothing is running yet."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Nothing is left running."""
+        self.stop(self._children, patience=1.0)
+
+    def start(self, name: str, command: Sequence[str]) -> int:
+        """Start a process; gives its id.
+
+        Raises:
+            SatvibError: it cannot be started.
+        """
+        log = self.logs / f'{name.replace("/", ".")}.log'
+        sink = log.open('wb')
+        try:
+            popen = subprocess.Popen(
+                list(command),
+                stdin=subprocess.DEVNULL,
+                stdout=sink,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+                env=None if self.environment is None else dict(self.environment),
+                preexec_fn=_die_with(os.getpid()),
+            )
+        except OSError as error:
+            sink.close()
+            raise SatvibError(
+                f'{name}: cannot be started: {error}; is the workspace built?'
+            ) from None
+        self._children[name] = _Child(name, popen, log, sink)
+        return popen.pid
+
+    def alive(self, name: str) -> bool:
+        """Whether a process is running."""
+        return self._children[name].popen.poll() is None
+
+    def pids(self) -> dict[str, int]:
+        """Ids of the processes that are running."""
+        return {n: c.popen.pid for n, c in self._children.items() if c.popen.poll() is None}
+
+    def ended(self) -> list[Exit]:
+        """Processes that have ended since the last call, the ones that were killed first."""
+        found = []
+        for child in self._children.values():
+            code = child.popen.poll()
+            if code is not None and not child.told:
+                child.told = True
+                found.append(Exit(child.name, code, last_line(child.log)))
+        return sorted(found, key=lambda ending: ending.code)
+
+    def stop(self, names: Iterable[str], patience: float) -> list[Exit]:
+        """Ask processes to end and wait; after `patience` s they are killed.
+
+        Gives how those ended that were running; a kill shows as -9.
+        """
+        running = [c for n in names if (c := self._children[n]).popen.poll() is None]
+        for child in running:
+            _signal(child, signal.SIGTERM)
+        deadline = time.monotonic() + patience
+        for child in running:
+            try:
+                child.popen.wait(max(deadline - time.monotonic(), 0.0))
+            except subprocess.TimeoutExpired:
+                _signal(child, signal.SIGKILL)
+                child.popen.wait()
+        for child in running:
+            child.told = True
+            child.sink.close()
+        return [Exit(c.name, c.popen.returncode, last_line(c.log)) for c in running]
+
+
+def _signal(child: _Child, number: signal.Signals) -> None:
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(child.popen.pid, number)
+
+
+def _die_with(parent: int) -> Callable[[], Any]:
+    """Make what a child does before it becomes the program: ask to be told when its parent dies."""
+    prctl, sigterm = _LIBC.prctl, int(signal.SIGTERM)
+
+    def before() -> None:
+        prctl(_PR_SET_PDEATHSIG, sigterm, 0, 0, 0)
+        if os.getppid() != parent:  # it died before it could be told
+            os._exit(1)
+
+    return before
+
+
+def last_line(log: Path) -> str:
+    """Give the last line of a log that says anything."""
+    with contextlib.suppress(OSError):
+        with log.open('rb') as source:
+            source.seek(0, os.SEEK_END)
+            source.seek(max(source.tell() - 4096, 0))
+            lines = source.read().decode(errors='replace').splitlines()
+        for line in reversed(lines):
+            if line.strip():
+                return line.strip()
+    return ''
