@@ -121,8 +121,9 @@ class OutputGuard:
 
     def reset(self) -> None:
         """Release the fault; the thermal load stays what it is."""
-        self.fault = ''
-        self._guard.reset()
+        if self.fault:
+            self.fault = ''
+            self._guard.reset()
 
     def _check(self, demand: Array, age: Array) -> None:
         for wrong, what, shown, unit in (
