@@ -13,37 +13,40 @@ from satvib_bringup.scenario import Scenario
 RUNS = Path('runs')
 
 
-def new_run_folder(name: str, wanted: Path | None = None, base: Path = RUNS) -> Path:
-    """Make the folder of a run.
+def free_run_folder(name: str, wanted: Path | None = None, base: Path = RUNS) -> Path:
+    """Find the folder of a run, which does not exist yet.
 
     Args:
         name: of the scenario.
-        wanted: the folder to make; None: the next free `base`/<name>-<number>.
+        wanted: the folder to take; None: the next free `base`/<name>-<number>.
         base: where numbered runs go.
 
     Raises:
-        SatvibError: the wanted folder is there already, or the place cannot be written.
+        SatvibError: the wanted folder is there already, or the place cannot be looked into.
+    """
+    if wanted is not None:
+        if wanted.exists() or wanted.is_symlink():
+            raise SatvibError(f'{wanted}: exists already, nothing is overwritten')
+        return wanted
+    try:
+        numbers = [_number(path.name, name) for path in base.iterdir()] if base.exists() else []
+    except OSError as error:
+        raise SatvibError(f'{base}: runs cannot be kept there: {error.strerror}') from None
+    return base / f'{name}-{1 + max(numbers, default=0):03d}'
+
+
+def make_run_folder(folder: Path) -> None:
+    """Make the folder of a run.
+
+    Raises:
+        SatvibError: it is there already, or the place cannot be written.
     """
     try:
-        if wanted is not None:
-            wanted.parent.mkdir(parents=True, exist_ok=True)
-            wanted.mkdir()
-            return wanted
-        base.mkdir(parents=True, exist_ok=True)
-        number = 1 + max((_number(p.name, name) for p in base.iterdir()), default=0)
-        while True:
-            folder = base / f'{name}-{number:03d}'
-            try:
-                folder.mkdir()
-            except FileExistsError:  # another run was quicker
-                number += 1
-            else:
-                return folder
+        folder.mkdir(parents=True)
     except FileExistsError:
-        raise SatvibError(f'{wanted}: exists already, nothing is overwritten') from None
+        raise SatvibError(f'{folder}: exists already, nothing is overwritten') from None
     except OSError as error:
-        place = wanted or base
-        raise SatvibError(f'{place}: the folder cannot be made: {error.strerror}') from None
+        raise SatvibError(f'{folder}: the folder cannot be made: {error.strerror}') from None
 
 
 def _number(folder: str, name: str) -> int:

@@ -2,13 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """`satvib run` and `satvib demo`: a scenario as a live ROS 2 graph, recorded and reported."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from satvib_common.errors import RunError
+from satvib_common.errors import RunError, SatvibError
 
 from satvib_bringup.commands.options import Folder, ScenarioName, Settings
+
+if TYPE_CHECKING:
+    from satvib_bringup.progress import Outcome
 
 Realtime = Annotated[
     bool,
@@ -43,14 +47,13 @@ def run(
 def _run(name: str, settings: list[str] | None, folder: Path | None, realtime: bool) -> None:
     from satvib_bringup.bag import read_recording
     from satvib_bringup.console import ProgressView, make_console, show_result
-    from satvib_bringup.experiment import run_experiment
     from satvib_bringup.report import write_report
-    from satvib_bringup.run_folder import new_run_folder, write_scenario
+    from satvib_bringup.run_folder import free_run_folder, write_scenario
     from satvib_bringup.scenario import load_scenario
 
     scenario = load_scenario(name, settings or [])
-    target = new_run_folder(scenario.name, folder)
-    write_scenario(scenario, target)
+    target = free_run_folder(scenario.name, folder)
+    run_experiment = _experiment()
     console = make_console()
     with ProgressView(console, scenario.duration, f'run {scenario.name}') as view:
         outcome = run_experiment(
@@ -60,13 +63,26 @@ def _run(name: str, settings: list[str] | None, folder: Path | None, realtime: b
             record=True,
             progress=lambda p: view.update(p.phase, p.time, p.attenuation),
         )
-        elapsed = view.elapsed
+    write_scenario(scenario, target)
     if not outcome.success:
-        raise RunError(f'{outcome.message}; what was recorded is in {target}')
+        error = SatvibError if outcome.exit_code == 2 else RunError
+        raise error(f'{outcome.message}; logs and what was recorded are in {target}')
+    console.print(outcome.message, style='dim')
     report = write_report(read_recording(target), target)
     show_result(console, report.result, report.page)
-    console.print(
-        f'ran {scenario.duration:g} s in {elapsed:.1f} s, '
-        f'{scenario.duration / elapsed:.1f} times real time, start and stop included',
-        style='dim',
-    )
+
+
+def _experiment() -> 'Callable[..., Outcome]':
+    """Give `run_experiment`, which needs ROS and the built workspace.
+
+    Raises:
+        SatvibError: one of them is not there.
+    """
+    try:
+        from satvib_bringup.experiment import run_experiment
+    except ModuleNotFoundError as error:
+        raise SatvibError(
+            f'the module {error.name} is not there: a live run needs the built workspace; start '
+            'it as ./satvib, or source install/setup.bash first (`satvib simulate` needs no ROS)'
+        ) from None
+    return run_experiment

@@ -14,11 +14,12 @@ def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder =
     from satvib_bringup.console import ProgressView, make_console, show_result
     from satvib_bringup.live_attenuation import LiveAttenuation
     from satvib_bringup.report import write_report
-    from satvib_bringup.run_folder import new_run_folder, write_scenario
+    from satvib_bringup.run_folder import free_run_folder, make_run_folder, write_scenario
     from satvib_bringup.scenario import load_scenario
 
     loaded = load_scenario(scenario, settings or [])
-    target = new_run_folder(loaded.name, folder)
+    target = free_run_folder(loaded.name, folder)
+    make_run_folder(target)
     write_scenario(loaded, target)
     console = make_console()
     with ProgressView(console, loaded.duration, f'simulate {loaded.name}') as view:

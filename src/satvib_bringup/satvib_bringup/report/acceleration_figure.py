@@ -29,6 +29,7 @@ CAPTION = (
 )
 _ZOOM_PERIODS = 4
 _ZOOM_SAMPLES = 40
+_BIN = 0.25  # s, longer than a period of what there is to see
 
 
 def draw(context: Context, path: Path) -> bool:
@@ -39,6 +40,7 @@ def draw(context: Context, path: Path) -> bool:
     length = _ZOOM_PERIODS / lowest if lowest else _ZOOM_SAMPLES * recording.sample_period
     zoom = recording.window(max(end - length, 0.0), end)
     measured = context.measured()
+    bins = max(round((end - float(recording.time[0])) / _BIN), 60)
     with figure(
         path, count, 2, size=(11.5, 2.1 * count + 0.9), sharex='col', sharey='row',
         width_ratios=(1.6, 1),
@@ -47,11 +49,11 @@ def draw(context: Context, path: Path) -> bool:
             left, right = axes[i]
             if context.has_truth:
                 envelope(
-                    left, context.fine_time(), context.fine()[:, i], filled=True, color=TRUE,
+                    left, context.fine_time(), context.fine()[:, i], filled=True, bins=bins, color=TRUE,
                     alpha=0.75, label='true',
                 )  # fmt: skip
             envelope(
-                left, recording.time, measured[:, i], filled=False, color=MEASURED, lw=1.0,
+                left, recording.time, measured[:, i], filled=False, bins=bins, color=MEASURED, lw=1.0,
                 label='measured',
             )  # fmt: skip
             left.set_xlim(0.0, end)

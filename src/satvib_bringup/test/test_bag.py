@@ -1,0 +1,124 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Bags: written by rosbags from the message definitions, read back; and every way in which a bag can be none."""
+
+import numpy as np
+import pytest
+from satvib_bringup.bag import read_recording
+from satvib_bringup.load import load_recording
+from satvib_bringup.recording import differences
+from satvib_common.errors import SatvibError
+
+
+@pytest.fixture(scope='module')
+def bag(quick_run, bag_writer, tmp_path_factory):
+    return bag_writer(quick_run, tmp_path_factory.mktemp('run') / 'bag')
+
+
+def test_a_bag_gives_the_recording_back(bag, quick_run):
+    """Truth: the recording that was written, to the last bit, with its scenario and rig."""
+    back = read_recording(bag)
+    assert differences(quick_run, back) == []
+    assert set(back.groups) == set(quick_run.groups)
+    assert back.scenario == quick_run.scenario
+    assert back.rig == quick_run.rig
+    assert back.plan == quick_run.plan
+    assert back.seed == quick_run.seed
+    assert back.sample_period == quick_run.sample_period
+    np.testing.assert_array_equal(back.stamp, quick_run.stamp)
+    assert not any(back.lost().values())
+
+
+def test_the_folder_of_the_run_and_the_file_will_do(bag, quick_run):
+    """Truth: the same recording by its folder, its file and the folder of the run."""
+    for path in (bag.parent, next(bag.glob('*.mcap'))):
+        assert len(load_recording(path).sequence) == len(quick_run.sequence)
+
+
+def test_a_bag_without_custom_data_is_read_too(quick_run, bag_writer, tmp_path):
+    """As `ros2 bag record` makes it. Truth: the same samples; scenario and rig are unknown."""
+    back = read_recording(bag_writer(quick_run, tmp_path / 'plain', custom=False))
+    assert back.scenario is None
+    assert back.rig is None
+    assert differences(quick_run, back) == []
+
+
+def test_lost_and_repeated_messages_are_counted(quick_run, bag_writer, tmp_path):
+    """Truth: what was left out by hand: 3 voltages of strut 2, 1 acceleration of strut 1."""
+
+    def keep(group, strut, k):
+        lost = (group == 'voltage' and strut == 1 and k in {10, 11, 200}) or (
+            group == 'acceleration' and strut == 0 and k == 50
+        )
+        return not lost
+
+    back = read_recording(bag_writer(quick_run, tmp_path / 'gaps', keep=keep))
+    assert back.lost() == {'acceleration': 1, 'voltage': 3, 'state': 0, 'truth': 0}
+    assert np.isnan(back.get('voltage', 'voltage')[200, 1])
+    assert np.isnan(back.get('acceleration', 'upper')[50, 0])
+    assert back.get('acceleration', 'upper')[51, 0] == quick_run.get('acceleration', 'upper')[51, 0]
+
+
+def test_a_bag_that_begins_late_keeps_its_sequence(quick_run, bag_writer, tmp_path):
+    """Truth: recorded from sample 150 on."""
+    back = read_recording(
+        bag_writer(quick_run, tmp_path / 'late', keep=lambda _group, _strut, k: k >= 150)
+    )
+    assert back.sequence[0] == 150
+    assert back.time[0] == pytest.approx(1.5)
+
+
+def test_a_bag_without_the_topics_is_refused(quick_run, bag_writer, tmp_path):
+    """Truth: only voltages were written; the message names what is missing and what is there."""
+    bag = bag_writer(quick_run, tmp_path / 'other', groups=('voltage',))
+    with pytest.raises(SatvibError) as caught:
+        read_recording(bag)
+    assert 'no topic of type satvib_msgs/msg/StrutAcceleration' in str(caught.value)
+    assert '/strut_1/voltage' in str(caught.value)
+    assert '\n' not in str(caught.value)
+
+
+def test_a_strut_without_samples_is_named(quick_run, bag_writer, tmp_path):
+    """Truth: nothing of strut 3 was written."""
+    bag = bag_writer(quick_run, tmp_path / 'two', keep=lambda _group, strut, _k: strut != 2)
+    with pytest.raises(SatvibError, match='no acceleration of strut_3'):
+        read_recording(bag)
+
+
+def test_what_is_no_bag_is_named(tmp_path):
+    """Truth: by hand."""
+    with pytest.raises(SatvibError, match=r'nothing: no such file or folder'):
+        read_recording(tmp_path / 'nothing')
+    (tmp_path / 'text.txt').write_text('hello')
+    with pytest.raises(SatvibError, match=r'text\.txt: not a bag'):
+        read_recording(tmp_path / 'text.txt')
+    with pytest.raises(SatvibError, match='not a bag'):
+        read_recording(tmp_path)
+    (tmp_path / 'metadata.yaml').write_text('hello: world')
+    with pytest.raises(SatvibError, match='damaged'):
+        read_recording(tmp_path)
+
+
+@pytest.mark.parametrize('share', [0.0, 0.001, 0.3, 0.999])
+def test_a_bag_cut_short_is_told(bag, tmp_path, share):
+    """Truth: the file was cut after a share of its bytes; the message is one line and names it."""
+    whole = next(bag.glob('*.mcap'))
+    cut = tmp_path / whole.name
+    data = whole.read_bytes()
+    cut.write_bytes(data[: int(share * len(data))])
+    (tmp_path / 'metadata.yaml').write_text((bag / 'metadata.yaml').read_text())
+    with pytest.raises(SatvibError) as caught:
+        read_recording(tmp_path)
+    assert 'damaged or cut short' in str(caught.value)
+    assert '\n' not in str(caught.value)
+
+
+def test_a_bag_without_its_file_or_its_metadata(bag, tmp_path):
+    """Truth: by hand."""
+    (tmp_path / 'metadata.yaml').write_text((bag / 'metadata.yaml').read_text())
+    with pytest.raises(SatvibError, match='missing'):
+        read_recording(tmp_path)
+    (tmp_path / 'metadata.yaml').unlink()
+    (tmp_path / 'some.mcap').write_bytes(b'')
+    with pytest.raises(SatvibError, match=r'without metadata\.yaml'):
+        read_recording(tmp_path)
