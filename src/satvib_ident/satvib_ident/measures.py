@@ -13,6 +13,7 @@ G. M. Ljung and G. E. P. Box, On a measure of lack of fit in time series models,
 """
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from satvib_common.kernel import kernel
 
@@ -23,39 +24,52 @@ Mask = NDArray[np.bool_]
 PIVOT = 1e-11
 
 
-@kernel('void(f8, b1, f8[:], f8[:])', '(),(),(w),(s)', writable=('ring', 'state'))
-def _push(value, active, ring, state):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Put a value into a ring; `state` is the number held and the next place."""
+@kernel('void(f8, b1, f8[:], f8[:], f8[:])', '(),(),(v),(s)->()', writable=('ring', 'state'))
+def _push(value, active, ring, state, held):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Put a value into a ring that holds everything twice, so that the window always lies in one piece.
+
+    `state` is the number held and the next place.
+    """
     if active:
+        size = ring.shape[0] // 2
         place = int(state[1])
         ring[place] = value
-        state[0] = min(state[0] + 1.0, ring.shape[0])
-        state[1] = (place + 1) % ring.shape[0]
+        ring[place + size] = value
+        state[0] = min(state[0] + 1.0, size)
+        state[1] = (place + 1) % size
+    held[0] = state[0]
 
 
-@kernel('void(f8[:], f8[:], f8[:,:], f8[:])', '(w),(s),(l,l)->()', writable=('work',))
+@njit
+def _products(x, first, sums):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Sums over k >= first of x(k) x(k - j), j = 0..; k - j may reach back before `first`, not before 0."""
+    lags = sums.shape[0]
+    for j in range(lags):
+        sums[j] = 0.0
+    for k in range(first, x.shape[0]):
+        value = x[k]
+        for j in range(lags):
+            sums[j] += value * x[k - j]
+
+
+@kernel('void(f8[:], f8[:], f8[:,:], f8[:])', '(v),(s),(l,l)->()', writable=('work',))
 def _order(ring, state, work, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    size = ring.shape[0]
+    size = ring.shape[0] // 2
     held = int(state[0])
-    start = int(state[1]) - held
-    limit = work.shape[0]
+    limit = min(work.shape[0], held // 2)
     out[0] = 0.0
-    if held < 2 * limit:
-        limit = held // 2
+    if limit == 0:
+        return
+    start = int(state[1]) + size - held
+    x = ring[start : start + held]
     # covariance of lagged copies over the samples where all lags exist
-    for j in range(limit):
-        total = 0.0
-        for k in range(limit - 1, held):
-            total += ring[(start + k) % size] * ring[(start + k - j) % size]
-        work[0, j] = total
+    _products(x, limit - 1, work[0, :limit])
     for i in range(1, limit):
         for j in range(i, limit):
             work[i, j] = (
-                work[i - 1, j - 1]
-                + ring[(start + limit - 1 - i) % size] * ring[(start + limit - 1 - j) % size]
-                - ring[(start + held - i) % size] * ring[(start + held - j) % size]
+                work[i - 1, j - 1] + x[limit - 1 - i] * x[limit - 1 - j] - x[held - i] * x[held - j]
             )
-    power = work[0, 0] if limit > 0 else 0.0
+    power = work[0, 0]
     if not 1e-250 < power < 1e250:
         return
     for i in range(limit):
@@ -74,30 +88,25 @@ def _order(ring, state, work, out):  # type: ignore[no-untyped-def]  # noqa: ANN
             work[i, j] = total / root
 
 
-@kernel('void(f8[:], f8[:], f8, f8[:])', '(w),(s),()->()')
-def _whiteness(ring, state, lags, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    size = ring.shape[0]
+@kernel('void(f8[:], f8[:], f8[:], f8[:], f8[:])', '(v),(s),(l)->(l),()')
+def _whiteness(ring, state, like, sums, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    size = ring.shape[0] // 2
     held = int(state[0])
-    start = int(state[1]) - held
+    lags = like.shape[0] - 1
     out[0] = np.nan
     if held < 3 * lags:
         return
-    mean = 0.0
-    for k in range(held):
-        mean += ring[(start + k) % size]
-    mean /= held
-    power = 0.0
-    for k in range(held):
-        e = ring[(start + k) % size] - mean
-        power += e * e
-    if not 1e-250 < power < 1e250:
+    start = int(state[1]) + size - held
+    x = ring[start : start + held]
+    _products(x, lags, sums)
+    for k in range(lags):  # the first samples have fewer lags
+        for j in range(k + 1):
+            sums[j] += x[k] * x[k - j]
+    if not 1e-250 < sums[0] < 1e250:
         return
     q = 0.0
-    for j in range(1, int(lags) + 1):
-        total = 0.0
-        for k in range(j, held):
-            total += (ring[(start + k) % size] - mean) * (ring[(start + k - j) % size] - mean)
-        r = total / power
+    for j in range(1, lags + 1):
+        r = sums[j] / sums[0]
         q += r * r / (held - j)
     out[0] = held * (held + 2.0) * q / lags
 
@@ -111,7 +120,7 @@ class RecentSignal:
     """
 
     def __init__(self, window: int, shape: tuple[int, ...] = ()) -> None:
-        self._ring = np.zeros((*shape, window))
+        self._ring = np.zeros((*shape, 2 * window))
         self._state = np.zeros((*shape, 2))
         self._shape = shape
 
@@ -130,4 +139,5 @@ class RecentSignal:
 
     def whiteness(self, lags: int) -> Array:
         """Ljung-Box statistic over `lags`, divided by it, (shape); NaN with fewer than 3 lags samples or no power."""
-        return np.asarray(_whiteness(self._ring, self._state, float(lags)))
+        _, statistic = _whiteness(self._ring, self._state, np.zeros(lags + 1))
+        return np.asarray(statistic)

@@ -7,6 +7,10 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 
+from satvib_ident.excitation.band_random import BandRandom
+from satvib_ident.excitation.chirp import Chirp
+from satvib_ident.excitation.multisine import Multisine
+from satvib_ident.excitation.prbs import Prbs
 from satvib_ident.excitation.signal import Excitation
 from satvib_ident.excitation.sines import Sines
 from satvib_ident.excitation.squares import Squares
@@ -14,6 +18,10 @@ from satvib_ident.excitation.squares import Squares
 SIGNALS: dict[str, type[Excitation]] = {
     'squares': Squares,
     'sines': Sines,
+    'prbs': Prbs,
+    'multisine': Multisine,
+    'chirp': Chirp,
+    'random': BandRandom,
 }
 
 
@@ -35,4 +43,14 @@ def make_excitation(name: str, **options: Any) -> Excitation:
     return SIGNALS[name].from_mapping(options, f'excitation {name}')
 
 
-__all__ = ['SIGNALS', 'Excitation', 'Sines', 'Squares', 'make_excitation']
+__all__ = [
+    'SIGNALS',
+    'BandRandom',
+    'Chirp',
+    'Excitation',
+    'Multisine',
+    'Prbs',
+    'Sines',
+    'Squares',
+    'make_excitation',
+]

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
 from satvib_common.kernel import kernel
-from scipy.stats import f as f_distribution
+from scipy.special import fdtri
 
 from satvib_ident.forgetting.none import NoForgetting
 from satvib_ident.forgetting.protocol import Factors
@@ -97,7 +97,7 @@ class VariableRateForgetting(NoForgetting):
         if not 0.0 < smallest <= 1.0:
             raise SatvibError(f'variable-rate forgetting: lambda_min {smallest} is not in (0, 1]')
         self.short, self.long, self.rate, self.smallest = short, long, rate, smallest
-        self.threshold = math.sqrt(float(f_distribution.ppf(confidence, short, long)))
+        self.threshold = math.sqrt(float(fdtri(short, long, confidence)))
         self._floor = floor * floor
 
     def bind(self, estimator: Factors) -> None:
