@@ -29,6 +29,7 @@ from satvib_common.phases import Phase
 from satvib_control.controller import ControllerCore
 from satvib_ident.identifier import IdentifierCore
 from satvib_plant_sim.plant import Plant
+from satvib_plant_sim.rig import Rig
 
 from satvib_bringup.loop_recorder import LoopRecorder
 from satvib_bringup.recording import Recording
@@ -54,16 +55,19 @@ class ClosedLoop:
 
     Args:
         scenarios: one scenario, or a list with equal phases, identifier, controller and sample rate.
+        rigs: the rigs to take in place of the scenarios' own.
 
     Raises:
         SatvibError: scenarios that cannot run as one batch.
     """
 
-    def __init__(self, scenarios: Scenario | Sequence[Scenario]) -> None:
+    def __init__(
+        self, scenarios: Scenario | Sequence[Scenario], rigs: Sequence[Rig] | None = None
+    ) -> None:
         single = isinstance(scenarios, Scenario)
         self.scenarios = [scenarios] if isinstance(scenarios, Scenario) else list(scenarios)
         first = self.scenarios[0]
-        self.rigs = [scenario.load_rig() for scenario in self.scenarios]
+        self.rigs = list(rigs or (scenario.load_rig() for scenario in self.scenarios))
         rate = self.rigs[0].acquisition.sample_rate
         self.plan = first.plan(rate)
         if not single:

@@ -18,7 +18,7 @@ from satvib_bringup.report.context import Context
 
 # name of the file, heading, module
 FIGURES = (
-    ('attenuation', 'Attenuation', attenuation_figure),
+    ('attenuation', 'Attenuation at a glance', attenuation_figure),
     ('acceleration', 'Acceleration with control off and on', acceleration_figure),
     ('spectra', 'Spectra', spectra_figure),
     ('parameters', 'Identified parameters', parameters_figure),

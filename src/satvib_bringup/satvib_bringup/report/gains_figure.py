@@ -24,13 +24,13 @@ _QUANTITIES = {
 
 
 def shown_quantities(recording: Recording) -> list[str]:
-    """Names of the fields that the law uses at all."""
+    """Names of the fields that the law uses at all; a gain that stays zero is not shown."""
     if not recording.has('state'):
         return []
     return [
         name
         for name in _QUANTITIES
-        if recording.has('state', name) and np.any(np.isfinite(recording.get('state', name)))
+        if recording.has('state', name) and np.any(np.nan_to_num(recording.get('state', name)))
     ]
 
 

@@ -68,6 +68,8 @@ def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], p
         description=context.recording.scenario.description if context.recording.scenario else '',
         kinds=sorted(kinds, key=lambda k: list(KIND_HEADINGS).index(k)),
         headings=KIND_HEADINGS,
+        spans=_spans(result),
+        parameter_names=_parameter_names(result),
         figures=[(figure, _embedded(figure.path)) for figure in figures],
         settings=_text(result['settings']),
         rig=_text(result['rig']),
@@ -79,6 +81,28 @@ def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], p
         raise SatvibError(f'{path}: exists already, not overwritten') from None
     except OSError as error:
         raise SatvibError(f'{path}: cannot be written: {error.strerror}') from None
+
+
+def _spans(result: dict[str, Any]) -> list[str]:
+    """Sentences on the windows and the tones."""
+    found = []
+    for name, told in (('uncontrolled', 'Without control'), ('controlled', 'Under control')):
+        span = result['windows'][name]
+        if span:
+            found.append(f'{told}: {span[0]:g} to {span[1]:g} s.')
+    tones = ', '.join(f'{f:g}' for f in result['frequencies'])
+    if tones:
+        found.append(f'Tone{"s" if len(result["frequencies"]) > 1 else ""}: {tones} Hz.')
+    return found
+
+
+def _parameter_names(result: dict[str, Any]) -> list[str]:
+    model = next((s['model'] for s in result['struts'] if s['model']), None)
+    if model is None:
+        return []
+    return [f'a{i + 1}' for i in range(len(model['a']))] + [
+        f'b{i + 1}' for i in range(len(model['b']))
+    ]
 
 
 def _embedded(path: Path) -> str:

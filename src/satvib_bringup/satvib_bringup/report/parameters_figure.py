@@ -6,12 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from satvib_bringup.perfect import perfect_parameters
 from satvib_bringup.report.context import Context
 from satvib_bringup.report.style import STRUTS, figure, legend, shade_phases, strut_label
 
 CAPTION = (
     'Parameters of the identified models (Eq. 30) over time, the paper’s Fig. 8. The band is one '
-    'standard deviation either way as the estimator states it. After IDENTIFY the estimate rests.'
+    'standard deviation either way as the estimator states it. Dashed: what the same estimator finds '
+    'from the same excitation with perfect sensors.'
 )
 
 
@@ -30,6 +32,7 @@ def draw(context: Context, path: Path) -> bool:
     used = [k for phase, s, e in recording.phases() if phase.name in {'IDENTIFY', 'ADAPT'}
             for k in (s, e)]  # fmt: skip
     limits = (max(used[0] - 0.3, 0.0), used[-1] + 0.5) if used else None
+    perfect = perfect_parameters(recording) if context.open_loop is not None else None
     with figure(path, rows, size=(9.0, 1.35 * rows + 0.8), sharex=True) as (drawn, axes):
         for row, label in enumerate(labels):
             ax = axes[row, 0]
@@ -38,6 +41,8 @@ def draw(context: Context, path: Path) -> bool:
                 time, value, sd = recording.time[on], values[on, i, row], deviation[on, i, row]
                 ax.plot(time, value, color=STRUTS[i % 6], label=strut_label(name))
                 ax.fill_between(time, value - sd, value + sd, color=STRUTS[i % 6], alpha=0.15, lw=0)
+                if perfect is not None:
+                    ax.axhline(perfect[i, row], color=STRUTS[i % 6], ls='--', lw=0.9)
                 _fit_view(ax, time, value, limits)
             unit = '' if row < a.shape[2] else '\nm/s²/V'
             ax.set_ylabel(label + unit, rotation=0, ha='right', va='center')
