@@ -2,16 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node `strut_identifier`: carries messages to and from `IdentifierCore`.
 
-Sample k of the acceleration is paired by `sequence` with the voltage of sample k - delay, as the strut's guard let it
-out. In lockstep both are waited for. In real time a voltage has until the next sample; after that it counts as not
-known. Before sample 0 the voltage is known to be 0.
+Sample k of the acceleration is paired with the voltage of sample k - delay, as the strut's guard let it out (see
+`pairing`). In lockstep both, and the schedule, are waited for.
 
 The model is published for every sample of a phase in which it is estimated, and for the samples before a hand-over.
 """
 
-import math
 import sys
-from collections import deque
 
 import numpy as np
 from satvib_common.phases import Phase, PhasePlan
@@ -19,9 +16,10 @@ from satvib_common.ros.convert import check_period, doubles, plan_of
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
-from satvib_common.sequence import Arrival, SequenceTracker
+from satvib_common.sequence import Arrival
 
 from satvib_ident.identifier import Identification, IdentifierCore
+from satvib_ident.pairing import Pairing
 from satvib_ident.parameters import IdentifierParameters
 from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration, VcaVoltage
 
@@ -38,10 +36,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self.core = IdentifierCore(p)
         self.plan: PhasePlan | None = None
         self.phases = frozenset(Phase[name] for name in p.estimate_in)
-        self.waiting: deque[StrutAcceleration] = deque()
-        self.voltages: dict[int, float] = {}
-        self.samples, self.answers = SequenceTracker(), SequenceTracker()
-        self.unpaired = 0
+        self.pairing: Pairing[StrutAcceleration] = Pairing(p.delay, wait=p.lockstep)
         self.message = IirParameters(sample_period=p.dt, delay=p.delay)
         self.publisher = self.publish_on(IirParameters, 'identified_model')
 
@@ -59,14 +54,14 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
 
     def diagnose(self) -> tuple[str, dict[str, object]]:
         """Give the counts of the core."""
+        samples = self.pairing.samples
         figures: dict[str, object] = {
-            'sequence': -1 if self.samples.last is None else self.samples.last,
-            'samples waiting': len(self.waiting),
-            'samples without voltage': self.unpaired,
+            'sequence': -1 if samples.last is None else samples.last,
+            'samples waiting': len(self.pairing),
+            'samples without voltage': self.pairing.unknown,
         }
         figures |= {name: int(np.max(value)) for name, value in self.core.counters.items()}
-        lost = f'{self.samples.lost} samples lost' if self.samples.lost else ''
-        return lost, figures
+        return f'{samples.lost} samples lost' if samples.lost else '', figures
 
     def _on_schedule(self, message: Schedule) -> None:
         check_period('schedule', message.sample_period, self.parameters.sample_rate)
@@ -74,45 +69,22 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self._work()
 
     def _on_voltage(self, message: VcaVoltage) -> None:
-        if self.answers.see(message.sequence) is Arrival.RESTART:
-            self.voltages.clear()
-        self.voltages[message.sequence] = message.voltage
+        self.pairing.add_voltage(message.sequence, message.voltage)
         self._work()
 
     def _on_acceleration(self, message: StrutAcceleration) -> None:
-        k = message.sequence
-        arrival = self.samples.see(k)
+        arrival = self.pairing.add_sample(message.sequence, message)
         if arrival in {Arrival.FIRST, Arrival.RESTART}:
             check_period(
                 f'{self.strut} acceleration', message.sample_period, self.parameters.sample_rate
             )
-            self.waiting.clear()
-            if self.answers.last is not None and self.answers.last > k + 1:
-                self.voltages.clear()  # of the run before
-                self.answers = SequenceTracker()
-        if arrival is not Arrival.REPEAT:
-            self.waiting.append(message)
-            self._work()
+        self._work()
 
     def _work(self) -> None:
-        """Take every sample whose voltage is there, or will never be."""
-        lockstep = self.parameters.lockstep
-        while self.waiting and (self.plan is not None or not lockstep):
-            k = self.waiting[0].sequence
-            wanted_voltage = k - self.parameters.delay
-            voltage = 0.0 if wanted_voltage < 0 else self.voltages.get(wanted_voltage)
-            if voltage is None:
-                newest = self.answers.last
-                passed = newest is not None and newest > wanted_voltage
-                if not passed and (lockstep or len(self.waiting) < 2):
-                    return
-                voltage = math.nan
-                self.unpaired += 1
-            self._identify(self.waiting.popleft(), voltage)
-            # what is older than this pair is of no use any more
-            self.voltages.pop(wanted_voltage - 1, None)
-            if len(self.voltages) > 2000:
-                self.voltages = {s: v for s, v in self.voltages.items() if s >= wanted_voltage}
+        """Take every sample that has all it needs."""
+        if self.plan is not None or not self.parameters.lockstep:
+            for sample, voltage in self.pairing.pairs():
+                self._identify(sample, voltage)
 
     def _identify(self, sample: StrutAcceleration, voltage: float) -> None:
         k, p = sample.sequence, self.parameters

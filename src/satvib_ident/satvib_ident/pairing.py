@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Pairs the acceleration of sample k with the voltage of sample k - delay, by `sequence`.
+
+The two come on topics of their own, so either may be ahead of the other. In lockstep a sample waits for its voltage. In
+real time the voltage has until the next sample. A voltage that has been passed over by a newer one will not come any
+more: NaN, not known. Before sample 0 the voltage is known to be 0.
+"""
+
+import math
+from collections import deque
+from collections.abc import Iterator
+from typing import Generic, TypeVar
+
+from satvib_common.sequence import Arrival, SequenceTracker
+
+T = TypeVar('T')
+
+
+class Pairing(Generic[T]):
+    """Samples that wait for their voltage.
+
+    Args:
+        delay: samples between a voltage and the first acceleration that sees it.
+        wait: wait for a voltage as long as it may still come.
+    """
+
+    def __init__(self, delay: int, wait: bool) -> None:
+        self.delay, self.wait = delay, wait
+        self.unknown = 0
+        self.samples, self.voltages = SequenceTracker(), SequenceTracker()
+        self._waiting: deque[tuple[int, T]] = deque()
+        self._known: dict[int, float] = {}
+
+    def __len__(self) -> int:
+        """How many samples wait."""
+        return len(self._waiting)
+
+    def add_voltage(self, sequence: int, voltage: float) -> None:
+        """Take a voltage as the guard let it out."""
+        if self.voltages.see(sequence) is Arrival.RESTART:
+            self._known.clear()
+        self._known[sequence] = voltage
+
+    def add_sample(self, sequence: int, sample: T) -> Arrival:
+        """Take a sample; a repeated one is left out."""
+        arrival = self.samples.see(sequence)
+        if arrival is Arrival.RESTART:
+            self._waiting.clear()
+            if self.voltages.restarts < self.samples.restarts:
+                # what is known belongs to the run before
+                self._known.clear()
+                self.voltages.last = None
+                self.voltages.restarts = self.samples.restarts
+        if arrival is not Arrival.REPEAT:
+            self._waiting.append((sequence, sample))
+        return arrival
+
+    def pairs(self) -> Iterator[tuple[T, float]]:
+        """Give the samples whose voltage is there, or will never be, in order."""
+        while self._waiting:
+            wanted = self._waiting[0][0] - self.delay
+            voltage = 0.0 if wanted < 0 else self._known.get(wanted)
+            if voltage is None:
+                newest = self.voltages.last
+                passed = newest is not None and newest > wanted
+                if not passed and (self.wait or len(self._waiting) < 2):
+                    return
+                voltage = math.nan
+                self.unknown += 1
+            self._forget(wanted)
+            yield self._waiting.popleft()[1], voltage
+
+    def _forget(self, wanted: int) -> None:
+        """Let go of what is older than this pair."""
+        self._known.pop(wanted - 1, None)
+        if len(self._known) > 4000:
+            self._known = {s: v for s, v in self._known.items() if s >= wanted}
