@@ -35,6 +35,7 @@ LAWS = {
     'off': 'satvib_control.off:Off',
     'velocity_feedback': 'satvib_control.velocity_feedback:VelocityFeedback',
     'model_reference': 'satvib_control.model_reference:ModelReference',
+    'narrowband': 'satvib_control.narrowband:Narrowband',
 }
 
 

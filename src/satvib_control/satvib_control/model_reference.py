@@ -20,115 +20,51 @@ Sensitivities. Eq. (41) as printed lacks the squared denominator of dH/dK_i. The
 so with eps = u_c - y_hat and y_hat = H u_c they are G S filtered eps, F eps and -D y_hat. In CONTROL there is no u_c
 and the same filters on eps = -y, y_hat = y give dy/dK of the vibration itself, since y = S d.
 
-Adaptation, the MIT rule dK/dt = -gamma e de/dK, normalized by the power of its own gradient:
+Adaptation by `satvib_control.adaptation` with e = y - y_m, projected on what the identified model proves stable with
+the modulus margin: K_i alone on its interval (`gain_bounds`), several gains along their ray (`nyquist_ray`).
 
-    K_j <- K_j - gamma T e eta_j / max(eta_j^2, <eta_j^2>),    e = y - y_m,
+In ADAPT u_c is an excitation and y_m the output of the reference model: the identified model closed with the K_i that
+gives its dominant mode the wanted damping (it starts from the state the plant is in), or the designed
 
-and projected on what the identified model proves stable with the modulus margin. y_m is the identified model closed
-with the K_i that gives its dominant poles the wanted damping; in CONTROL y_m = 0.
+    H_m = (1 - zeta_0 / zeta_m) 2 zeta_m w s / (s^2 + 2 zeta_m w s + w^2),
+
+what an ideal skyhook damper makes of a mode zeta_0, w, sampled and late like the model. In CONTROL u_c = 0, and gains
+move only when `adapt_in_control` is set, with y_m = 0: the gradient of the vibration's own power.
 """
 
 import cmath
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numba import njit
 from satvib_common.integrator import leaky_integrator
-from satvib_common.kernel import kernel
 from satvib_common.phases import Phase
+from satvib_ident.iir_model import IirModel
 
-from satvib_control.dominant import damping_gain, polarity
+from satvib_control import pid_step as place
+from satvib_control.adaptation import move
+from satvib_control.dominant import damping_gain, dominant_pole, polarity
 from satvib_control.gain_bounds import gain_bounds
 from satvib_control.law import Array, BasicLaw, LawInput, Mask
+from satvib_control.nyquist_ray import loop_grid, ray
+from satvib_control.pid_step import pid_step
 from satvib_control.polynomial import model_polynomials, multiply, value
 from satvib_control.reasons import reason
+from satvib_control.reference_model import designed_model
 from satvib_control.signals import StrutSignals
 
 if TYPE_CHECKING:
-    from satvib_ident.iir_model import IirModel
-
     from satvib_control.parameters import ControllerParameters
 
 NO_MODEL = reason('no trusted identified model: 0 V')
 UNATTAINABLE = reason('the wanted damping is not attainable within the modulus margin')
 SATURATED = reason('adaptation frozen: the voltage is saturated')
 IDLE = reason('adaptation frozen: not excited')
-
-
-@njit(cache=True)
-def _filter(b: Any, a: Any, state: Any, x: Any) -> float:
-    """Direct form II transposed; `state` has one place less than b and a; a[0] is 1."""
-    order = b.shape[0] - 1
-    y = b[0] * x + state[0]
-    for i in range(order - 1):
-        state[i] = state[i + 1] + b[i + 1] * x - a[i + 1] * y
-    state[order - 1] = b[order] * x - a[order] * y
-    return y
-
-
-@kernel(
-    'void(f8[:,:],f8[:,:],f8[:],f8[:],f8[:,:],f8,f8,f8,f8,f8,f8[:],f8[:],f8[:],f8[:],f8[:])',
-    '(l,q),(r,q),(s),(k),(t,o),(),(),(),(),()->(),(),(),(),()',
-    writable=('memory', 'filters'),
-)
-def _step(
-    loop: Any,
-    fixed: Any,
-    settings: Any,
-    memory: Any,
-    filters: Any,
-    y: Any,
-    reference: Any,
-    applied: Any,
-    adapt: Any,
-    learn: Any,
-    u: Any,
-    ym: Any,
-    e: Any,
-    eta: Any,
-    moved: Any,
-) -> None:
-    """One sample of one item; `adapt`: 1 in ADAPT, else 0; `learn`: 1 where the gain may move.
-
-    loop: rows A Fa, B Fa and B Fb. fixed: rows B, A, Fb, Fa.
-    memory: power of the gradient, K_i, wanted K_i, two states of F each in law, reference model and sensitivity,
-    the reference model's voltage, `adapt` of the sample before.
-    filters: states of H, of G S and of the reference model's G.
-    """
-    q = loop.shape[1]
-    ki = memory[1]
-    den = np.empty(q)
-    num = np.empty(q)
-    for i in range(q):
-        num[i] = ki * loop[2, i]
-        den[i] = loop[0, i] + num[i]
-    fb, fa = fixed[2, :3], fixed[3, :3]
-    dt, gamma, forget, floor, low, high = settings
-    # outside ADAPT the reference model follows the applied voltage, so that ADAPT begins where the plant is
-    _filter(fixed[0], fixed[1], filters[2], memory[9] if memory[10] == 1.0 else applied)
-    ym[0] = filters[2, 0]  # B begins with the delay, so the state holds the next output
-    u[0] = ki * _filter(fb, fa, memory[3:5], reference - y)
-    driven = _filter(fb, fa, memory[5:7], reference - (ym[0] if adapt == 1.0 else y))
-    predicted = _filter(num, den, filters[0], reference)
-    memory[9] = memory[2] * driven
-    memory[10] = adapt
-    if adapt != 1.0:
-        ym[0] = 0.0
-        predicted = y
-    e[0] = y - ym[0]
-    integral = _filter(fb, fa, memory[7:9], reference - predicted)
-    eta[0] = _filter(loop[1], den, filters[1], integral)
-    memory[0] += forget * (eta[0] * eta[0] - memory[0])
-    moved[0] = 0.0
-    power = max(eta[0] * eta[0], memory[0])
-    if learn == 1.0 and power * max(high * high, low * low) > floor * floor:
-        memory[1] = min(max(ki - gamma * dt * e[0] * eta[0] / power, low), high)
-        moved[0] = 1.0
+GAINS = ('kp', 'ki', 'kd')
 
 
 class ModelReference(BasicLaw):
-    """MIT rule on K_i; see the module's page."""
+    """Adaptive PID; see the module's page."""
 
     needs_model = True
 
@@ -137,7 +73,7 @@ class ModelReference(BasicLaw):
     ) -> None:
         super().__init__(parameters, dt, shape)
         p = parameters
-        self._integrator = leaky_integrator(p.velocity_corner, dt)
+        self._integrator = tuple(np.array(c) for c in leaky_integrator(p.velocity_corner, dt))
         self._reference = StrutSignals(
             p.reference_excitation, 1.0, p.reference_frequencies, p, shape
         )
@@ -145,79 +81,117 @@ class ModelReference(BasicLaw):
         self._known = np.zeros(shape, dtype=bool)
         self._attainable = np.ones(shape, dtype=bool)
         self._amplitude = np.zeros(shape)
-        self._settings = np.zeros((*shape, 6))
-        self._settings[..., 0] = dt
-        self._settings[..., 1] = p.adaptation_rate
-        self._settings[..., 2] = 1.0 - np.exp(-dt / p.adaptation_memory)
-        self._settings[..., 3] = p.adaptation_floor
-        self._memory = np.zeros((*shape, 11))
-        self._size(3)
-        self.state.ki = np.zeros(shape)
+        # several gains are projected together, which costs a pass over the Nyquist curve
+        self._several = bool(set(p.adapted_gains) - {'ki'}) or p.gain_p != 0.0 or p.gain_d != 0.0
+        self._grid = np.zeros((*shape, 6, 1))
+        self._rule = np.zeros(5)  # of `adaptation.move`
+        self._settings = np.zeros((*shape, 4))  # of `pid_step`
+        self._scale = np.zeros((*shape, 3))  # size of each gain; 0: it does not adapt
+        self._rest = np.zeros((*shape, 3))
+        self._low, self._high = np.zeros(shape), np.zeros(shape)
+        self._memory = np.zeros((*shape, place.MEMORY))
+        self.apply(p)
+        self._size(6, 4)
         self.state.reason = np.full(shape, NO_MODEL)
+        self._show_gains()
 
-    def _size(self, length: int) -> None:
-        """Make room for polynomials of that length, at rest and without effect."""
-        self._loop = np.zeros((*self.shape, 3, length))
-        self._fixed = np.zeros((*self.shape, 4, length))
-        self._filters = np.zeros((*self.shape, 3, length - 1))
-        self._loop[..., 0, 0] = 1.0
-        self._fixed[..., 1, 0] = 1.0
+    def apply(self, parameters: 'ControllerParameters') -> None:
+        """Take the settings of the adaptation."""
+        super().apply(parameters)
+        p, s = parameters, self._settings
+        leaks = (p.adaptation_leakage, p.adaptation_error_leakage)
+        self._rule = np.array([self.dt, p.adaptation_rate, p.adaptation_dead_zone, *leaks])
+        s[..., 0] = self.dt
+        s[..., 1] = 1.0 - math.exp(-self.dt / p.adaptation_memory)
+        s[..., 2] = float(p.reference_model == 'designed')
+
+    def _size(self, length: int, order: int) -> None:
+        """Make room for polynomials of that length (loop, and model), at rest and without effect."""
+        self._loop = np.zeros((*self.shape, 4, length))
+        self._fixed = np.zeros((*self.shape, 6, length))
+        self._filters = np.zeros((*self.shape, 6, length - 1))
+        self._loop[..., 0, 0] = self._fixed[..., 1, 0] = self._fixed[..., 5, 0] = 1.0
         self._fixed[..., 2, :3], self._fixed[..., 3, :3] = self._integrator
+        self._order = order
+        self._known = np.zeros(self.shape, dtype=bool)
 
-    def set_model(self, model: 'IirModel', trusted: Mask, covariance: Array | None = None) -> None:
+    def _loop_rows(self, model: IirModel) -> Array:
+        """A Fa, B Fa, B Fb, B D Fa (*shape, 4, q)."""
+        fb, fa = self._integrator
+        b, a = model_polynomials(model)
+        rows = [multiply(a, fa), multiply(b, fa), multiply(b, fb)]
+        derivative = np.array([1.0, -1.0]) / self.dt
+        last = multiply(multiply(b, fa), derivative)
+        loop = np.zeros((*self.shape, 4, last.shape[-1]))
+        for i, row in enumerate(rows):
+            loop[..., i, : row.shape[-1]] = row
+        loop[..., 3, :] = last
+        return loop
+
+    def set_model(self, model: IirModel, trusted: Mask, covariance: Array | None = None) -> None:
         """Design bounds, reference model and sensitivity filters where the model is trusted."""
         p = self.parameters
-        fb, fa = (np.asarray(c) for c in self._integrator)
+        fb, fa = self._integrator
+        loop = self._loop_rows(model)
         b, a = model_polynomials(model)
-        base, plain, integral = multiply(a, fa), multiply(b, fa), multiply(b, fb)
-        if base.shape[-1] != self._loop.shape[-1]:
-            self._size(base.shape[-1])
-            self._known = np.zeros(self.shape, dtype=bool)
-        bounds = gain_bounds(
-            model, fb, fa, p.modulus_margin,
-            covariance if p.gain_confidence > 0.0 else None, p.gain_confidence,
-        )  # fmt: skip
+        if loop.shape[-1] != self._loop.shape[-1]:
+            self._size(loop.shape[-1], b.shape[-1])
+        cov = covariance if p.gain_confidence > 0.0 else None
+        bounds = gain_bounds(model, fb, fa, p.modulus_margin, cov, p.gain_confidence)
         sign = polarity(model, fb, fa)
         limit = np.where(sign > 0.0, bounds.maximum, bounds.minimum)
         wanted, damping = damping_gain(model, fb, fa, limit, p.reference_damping)
-        pick = trusted[..., None, None]
-        loop = np.stack([base, plain, integral], axis=-2)
-        closed = base + wanted[..., None] * integral
-        self._loop[...] = np.where(pick, loop, self._loop)
-        self._fixed[..., 0, : b.shape[-1]] = np.where(
-            trusted[..., None], b, self._fixed[..., 0, : b.shape[-1]]
-        )
-        self._fixed[..., 1, : a.shape[-1]] = np.where(
-            trusted[..., None], a, self._fixed[..., 1, : a.shape[-1]]
-        )
-        self._memory[..., 2] = np.where(trusted, wanted, self._memory[..., 2])
         low, high = np.minimum(limit, 0.0), np.maximum(limit, 0.0)
-        bounded = np.stack([low, high], axis=-1)
-        self._settings[..., 4:] = np.where(trusted[..., None], bounded, self._settings[..., 4:])
-        gain = self._memory[..., 1]
-        kept = np.minimum(np.maximum(gain, low), high)
-        self._memory[..., 1] = np.where(trusted, kept, gain)
+        closed = loop[..., 0, :] + wanted[..., None] * loop[..., 2, :]
+        amplitude = p.reference_voltage / self._voltage_per_reference(wanted, loop, closed)
+        fixed = self._fixed.copy()
+        fixed[..., 0, : b.shape[-1]], fixed[..., 1, : a.shape[-1]] = b, a
+        if p.reference_model == 'designed':
+            frequency = 2.0 * math.pi * p.reference_frequency
+            designed = designed_model(model, frequency, p.reference_damping)
+            fixed[..., 4:6, : designed.shape[-1]] = designed
+
+        start = sign[..., None] * np.array([p.gain_p, p.gain_i, p.gain_d])
+        memory, settings = self._memory.copy(), self._settings.copy()
+        speed = np.maximum(np.abs(dominant_pole(model)), 1e-3)
+        sizes = np.stack([np.abs(limit) / speed, np.abs(limit), np.abs(limit) / speed**2], axis=-1)
+        gains = np.where(self._known[..., None], memory[..., :3], start)
+        for k in (start, gains):
+            k[..., 1] = np.minimum(np.maximum(k[..., 1], low), high)
+        if self._several:
+            grid = loop_grid([loop[..., 1, :], loop[..., 2, :], loop[..., 3, :]], loop[..., 0, :])
+            start, gains = (ray(k, sizes, grid, p.modulus_margin) for k in (start, gains))
+            self._grid = np.where(trusted[..., None, None], grid, self._grid)
+        memory[..., :3], memory[..., place.WANTED] = gains, wanted
+        settings[..., 3] = sign if p.adaptation_rule == 'lyapunov' else 0.0
+        adapted = np.array([float(name in p.adapted_gains) for name in GAINS])
+
+        one, two = trusted[..., None], trusted[..., None, None]
+        self._loop = np.where(two, loop, self._loop)
+        self._fixed = np.where(two, fixed, self._fixed)
+        self._settings = np.where(one, settings, self._settings)
+        self._memory = np.where(one, memory, self._memory)
+        self._rest = np.where(one, start, self._rest)
+        self._scale = np.where(one, sizes * adapted, self._scale)
+        self._low, self._high = (
+            np.where(trusted, low, self._low),
+            np.where(trusted, high, self._high),
+        )
         self._attainable = np.where(trusted, damping >= p.reference_damping, self._attainable)
-        amplitude = p.reference_voltage / self._voltage_per_reference(wanted, base, closed)
         self._amplitude = np.where(trusted, amplitude, self._amplitude)
         self._known = self._known | trusted
         self.state.ki_min = np.where(trusted, low, self.state.ki_min)
         self.state.ki_max = np.where(trusted, high, self.state.ki_max)
 
-    def apply(self, parameters: 'ControllerParameters') -> None:
-        """Take a new rate of adaptation."""
-        super().apply(parameters)
-        self._settings[..., 1] = parameters.adaptation_rate
-
-    def _voltage_per_reference(self, gain: Array, base: Array, closed: Array) -> Array:
+    def _voltage_per_reference(self, gain: Array, loop: Array, closed: Array) -> Array:
         """|K F S| at the strongest of the reference's frequencies, V per m/s^2, at least a trifle."""
+        fb, fa = self._integrator
         out = np.full(self.shape, 1e-6)
         for i in np.ndindex(self.shape):
             for frequency in self.parameters.reference_frequencies:
                 zi = cmath.exp(-2j * math.pi * frequency * self.dt)
-                c = value(self._integrator[0], zi) / value(self._integrator[1], zi)
-                s = value(base[i], zi) / value(closed[i], zi)
-                out[i] = max(out[i], abs(float(gain[i]) * c * s))
+                s = value(loop[i][0], zi) / value(closed[i], zi)
+                out[i] = max(out[i], abs(float(gain[i]) * value(fb, zi) / value(fa, zi) * s))
         return out
 
     def step(self, x: LawInput, phase: Phase) -> Array:
@@ -230,23 +204,49 @@ class ModelReference(BasicLaw):
             self._begun, reference = None, np.zeros(self.shape)
         wanted = adapt or (phase == Phase.CONTROL and self.parameters.adapt_in_control)
         learn = x.valid & ~x.saturated & self._known & wanted
-        u, model_output, error, eta, moved = _step(
-            self._loop, self._fixed, self._settings, self._memory, self._filters,
-            x.upper, reference, x.applied, float(adapt), learn.astype(float),
+        u, model_output, error, eta = pid_step(
+            self._loop, self._fixed, self._settings, self._scale, self._memory, self._filters,
+            x.upper, reference, x.applied, float(adapt),
         )  # fmt: skip
         state = self.state
         state.reference, state.model_output, state.error = reference, model_output, error
-        state.ki, state.sensitivity = self._memory[..., 1].copy(), eta
-        state.adapting = moved > 0.0
-        frozen = np.where(x.saturated, SATURATED, IDLE)
-        why = np.where(
-            state.adapting | (not wanted), np.where(self._attainable, 0, UNATTAINABLE), frozen
+        first = (
+            GAINS.index(self.parameters.adapted_gains[0]) if self.parameters.adapted_gains else 1
         )
-        state.reason = np.where(self._known, why, NO_MODEL)
+        state.sensitivity, state.adapting = eta[..., first], np.zeros(self.shape, dtype=bool)
+        fine = np.where(self._attainable, 0, UNATTAINABLE)
+        if wanted:
+            state.adapting = self._adapt(learn, error, eta)
+            fine = np.where(state.adapting, fine, np.where(x.saturated, SATURATED, IDLE))
+        state.reason = np.where(self._known, fine, NO_MODEL)
+        self._show_gains()
         return np.asarray(u)
 
+    def _adapt(self, learn: Mask, error: Array, eta: Array) -> Mask:
+        """Move the gains where `learn` (shape) holds and they are excited; (shape) where any of them moved."""
+        p = self.parameters
+        gains, power = self._memory[..., :3], self._memory[..., place.POWER : place.POWER + 3]
+        normalized = 0.0 if p.adaptation_rule == 'mit' else 1.0
+        new = move(gains, self._rest, error[..., None], eta, power, normalized, self._rule)
+        effect = np.sqrt(np.maximum(power, eta * eta)) * self._scale
+        pick = learn[..., None] & (self._scale > 0.0) & (effect > p.adaptation_floor)
+        new = np.where(pick, new, gains)
+        new[..., 1] = np.minimum(np.maximum(new[..., 1], self._low), self._high)
+        if self._several:
+            new = ray(new, self._scale, self._grid, p.modulus_margin)
+        any_moved = pick[..., 0] | pick[..., 1] | pick[..., 2]
+        self._memory[..., :3] = np.where(any_moved[..., None], new, gains)
+        return any_moved
+
+    def _show_gains(self) -> None:
+        state = self.state
+        state.kp, state.ki, state.kd = (self._memory[..., i].copy() for i in range(3))
+
     def reset(self, mask: Mask | bool = True) -> None:
-        """Forget gain and filters."""
-        keep = ~np.broadcast_to(np.asarray(mask), self.shape)[..., None]
-        self._memory[...] = np.where(keep, self._memory, 0.0)
-        self._filters[...] = np.where(keep[..., None], self._filters, 0.0)
+        """Gains to their start, filters at rest."""
+        pick = np.broadcast_to(np.asarray(mask), self.shape)[..., None]
+        memory = np.zeros_like(self._memory)
+        memory[..., :3] = self._rest
+        memory[..., place.WANTED] = self._memory[..., place.WANTED]
+        self._memory = np.where(pick, memory, self._memory)
+        self._filters = np.where(pick[..., None], 0.0, self._filters)

@@ -114,6 +114,27 @@ class ControllerParameters(LoopParameters):
     )
 
     # model_reference
+    gain_p: float = param(
+        0.0, 'K_p that model_reference begins with', unit='V/(m/s^2)', read_only=True
+    )
+    gain_i: float = param(
+        0.0, 'K_i that model_reference begins with', unit='V/(m/s)', read_only=True
+    )
+    gain_d: float = param(
+        0.0, 'K_d that model_reference begins with', unit='V/(m/s^3)', read_only=True
+    )
+    adapted_gains: tuple[str, ...] = param(
+        ('ki',),
+        "gains that adapt, of kp, ki, kd; the paper's law adapts ki alone",
+        choices=('kp', 'ki', 'kd'),
+        read_only=True,
+    )
+    reference_model: str = param(
+        'identified',
+        'the identified model closed with the gain of the wanted damping, or a designed one',
+        choices=('identified', 'designed'),
+        read_only=True,
+    )
     reference_excitation: str = param(
         'squares', 'signal of the reference u_c in ADAPT, by its name', read_only=True
     )
@@ -135,8 +156,25 @@ class ControllerParameters(LoopParameters):
         maximum=10.0,
         read_only=True,
     )
+    reference_frequency: float = param(
+        0.0,
+        'frequency of the designed reference model; 0: that of the identified dominant mode',
+        unit='Hz',
+        minimum=0.0,
+        read_only=True,
+    )
+    adaptation_rule: str = param(
+        'normalized',
+        'normalized: MIT rule divided by the power of its gradient; mit: as printed; lyapunov: '
+        'the regressor in the place of the sensitivity, normalized',
+        choices=('normalized', 'mit', 'lyapunov'),
+        read_only=True,
+    )
     adaptation_rate: float = param(
-        5.0, 'rate of the normalized MIT rule', unit='1/s', minimum=0.0, maximum=1e3
+        5.0,
+        'gamma; of the normalized rules the rate of convergence in 1/s, of the MIT rule in the '
+        "gain's own units",
+        minimum=0.0,
     )
     adaptation_memory: float = param(
         0.25,
@@ -147,15 +185,71 @@ class ControllerParameters(LoopParameters):
     )
     adaptation_floor: float = param(
         0.01,
-        'least effect of the whole gain on the output that is worth learning from; below it the '
+        'least effect of a gain on the output that is worth learning from; below it the '
         'adaptation stands still',
         unit='m/s^2',
         minimum=0.0,
         read_only=True,
     )
+    adaptation_dead_zone: float = param(
+        0.0, 'error below which nothing is learnt', unit='m/s^2', minimum=0.0
+    )
+    adaptation_leakage: float = param(
+        0.0,
+        'sigma modification: rate at which gains return to their start',
+        unit='1/s',
+        minimum=0.0,
+    )
+    adaptation_error_leakage: float = param(
+        0.0,
+        'e1 modification: the same, per error',
+        unit='1/s per m/s^2',
+        minimum=0.0,
+    )
     adapt_in_control: bool = param(
         False,
         'go on adapting in CONTROL, on the vibration itself (y_m = 0)',
+        read_only=True,
+    )
+
+    # narrowband
+    narrowband_tones: int = param(
+        3, 'largest number of tones', minimum=1, maximum=8, read_only=True
+    )
+    narrowband_low: float = param(
+        4.0, 'tones below are left alone', unit='Hz', above=0.0, read_only=True
+    )
+    narrowband_high: float = param(
+        0.0,
+        'tones above are left alone; 0: 0.45 of the sample rate',
+        unit='Hz',
+        minimum=0.0,
+        read_only=True,
+    )
+    narrowband_settling: float = param(
+        0.1,
+        'time constant of amplitude and phase; at least a period of the tone, and longer where '
+        'the modulus margin asks for it',
+        unit='s',
+        above=0.0,
+        read_only=True,
+    )
+    narrowband_memory: float = param(
+        5.0, 'longest memory of the frequency', unit='s', above=0.0, read_only=True
+    )
+    narrowband_window: float = param(
+        0.25,
+        'window of the spectrum in which new tones are sought; tones closer than its inverse '
+        'cannot be told apart there',
+        unit='s',
+        above=0.0,
+        read_only=True,
+    )
+    narrowband_smallest: float = param(
+        0.0,
+        'smallest amplitude that is worth a voltage; tones must also stand out of the noise',
+        unit='m/s^2',
+        minimum=0.0,
         read_only=True,
     )
 
@@ -171,14 +265,22 @@ class ControllerParameters(LoopParameters):
                 f'{self.voltage_limit} V'
             )
         nyquist = 0.5 * self.sample_rate
-        for frequency in self.excitation_frequencies:
-            if frequency >= nyquist:
+        if 'narrowband' in self.law:
+            high = self.narrowband_high or 0.45 * self.sample_rate
+            if not self.narrowband_low < high < nyquist:
                 raise SatvibError(
-                    f'excitation_frequencies: {frequency} Hz is not below half the sample rate, '
-                    f'{nyquist} Hz'
+                    f'narrowband_low, narrowband_high: {self.narrowband_low} to {high} Hz is not a '
+                    f'band below half the sample rate, {nyquist} Hz'
                 )
-        if self.velocity_corner >= nyquist:
-            raise SatvibError(
-                f'velocity_corner: {self.velocity_corner} Hz is not below half the sample rate, '
-                f'{nyquist} Hz'
-            )
+        for name in (
+            'excitation_frequencies',
+            'reference_frequencies',
+            'reference_frequency',
+            'velocity_corner',
+        ):
+            value = getattr(self, name)
+            for frequency in value if isinstance(value, tuple) else (value,):
+                if frequency >= nyquist:
+                    raise SatvibError(
+                        f'{name}: {frequency} Hz is not below half the sample rate, {nyquist} Hz'
+                    )
