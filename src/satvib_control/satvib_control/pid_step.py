@@ -61,7 +61,7 @@ def pid_step(
     """Voltage, reference model's output, error, and the derivatives of y with respect to the three gains.
 
     settings: T, forgetting of the powers per sample, 1 for the designed reference model, and 0 for sensitivities or
-    the polarity for the Lyapunov rule, whose `eta` are the regressors. scale: 0 where a gain does not adapt (eta 0 then).
+    the polarity for the Lyapunov rule, whose `eta` are the regressors. scale: 0 where a gain does not adapt (eta is 0).
     `adapt`: 1 in ADAPT, else 0.
     """
     q = loop.shape[1]
