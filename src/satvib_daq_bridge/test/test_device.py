@@ -65,6 +65,7 @@ def test_it_says_what_it_is():
         ({'lifetime': 50_001}, Refusal.LIFETIME),
         ({'inputs': 7}, Refusal.COUNTS),
         ({'limits': (1, 1)}, Refusal.COUNTS),
+        ({'limits': (1, -1, 1)}, Refusal.LIMITS),
     ],
 )
 def test_a_set_up_that_it_cannot_do_is_refused(change, refusal):

@@ -152,6 +152,8 @@ class Device:
             return Refusal.LIFETIME
         if asked.inputs > self.identity.inputs or len(asked.limits) != self.identity.outputs:
             return Refusal.COUNTS
+        if min(asked.limits) < 0:
+            return Refusal.LIMITS
         return Refusal.NONE
 
     def _begin(self, setup: Configure, now: int) -> None:

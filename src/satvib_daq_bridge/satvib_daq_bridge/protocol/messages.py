@@ -41,8 +41,8 @@ class Refusal(IntEnum):
     NONE = 0
     PERIOD = 1
     LIFETIME = 2
-    HOLD = 3
-    COUNTS = 4
+    COUNTS = 3
+    LIMITS = 4
 
 
 class Flag(IntFlag):
