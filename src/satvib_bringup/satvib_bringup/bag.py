@@ -120,6 +120,12 @@ def _collect(bag: Path, reader: AnyReader, custom: dict[str, str]) -> Recording:
     for message in measured[struts[0]]:
         nanoseconds = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
         stamp[message.sequence - first] = nanoseconds
+    counts.update(_late(reader))
+    for strut, messages in zip(
+        struts, (found.get('state', {}).get(s, []) for s in struts), strict=True
+    ):
+        if messages:
+            counts[f'{strut}_samples_missed_by_controller'] = int(messages[-1].missed_samples)
     scenario, rig = custom.get('satvib_scenario'), custom.get('satvib_rig')
     return Recording(
         struts=struts,
@@ -139,6 +145,23 @@ def _collect(bag: Path, reader: AnyReader, custom: dict[str, str]) -> Recording:
         source=str(bag),
         counts=dict(counts),
     )
+
+
+def _late(reader: AnyReader) -> dict[str, int]:
+    """What the nodes counted as late on /diagnostics, as they said last."""
+    connections = [
+        c for c in reader.connections if c.msgtype == 'diagnostic_msgs/msg/DiagnosticArray'
+    ]
+    said: dict[str, int] = {}
+    if not connections:
+        return said
+    for connection, _, raw in reader.messages(connections):
+        message: Any = reader.deserialize(raw, connection.msgtype)
+        for status in message.status:
+            for pair in status.values:
+                if pair.key.startswith('late') and pair.value.isdecimal():
+                    said[f'{status.name}_{pair.key}'.replace(' ', '_')] = int(pair.value)
+    return said
 
 
 def _parsed(schema: Any, text: str | None, where: str) -> Any:
@@ -171,7 +194,7 @@ def _group(
         present[rows[-1], strut] = True
         if messages and not names:
             names = [f.name for f in dataclasses.fields(messages[0]) if f.name not in _SKIPPED]
-            names = [n for n in names if not n.isupper()]
+            names = [n for n in names if not n.startswith('_')]
     result: Group = {
         name: _array([[getattr(m, name) for m in messages] for messages in kept], rows, count)
         for name in names

@@ -103,11 +103,16 @@ def _reasons(recording: Recording) -> list[str]:
 
 
 def _losses(recording: Recording) -> list[str]:
+    sentences = []
     lost = {group: count for group, count in recording.lost().items() if count}
-    if not lost:
-        return []
-    listed = ', '.join(f'{count} of {group}' for group, count in lost.items())
-    return [f'Messages are missing from the recording: {listed}.']
+    if lost:
+        listed = ', '.join(f'{count} of {group}' for group, count in lost.items())
+        sentences.append(f'Messages are missing from the recording: {listed}.')
+    counted = {name: count for name, count in recording.counts.items() if count}
+    if counted:
+        listed = ', '.join(f'{name.replace("_", " ")} {count}' for name, count in counted.items())
+        sentences.append(f'Lost, late or repeated on the way: {listed}.')
+    return sentences
 
 
 def _missing(recording: Recording, evaluation: Evaluation) -> list[str]:

@@ -36,7 +36,7 @@ def significant(value: Any, digits: int = 3) -> str:
     """Show a number with so many digits that count; a dash for what is unknown."""
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return '–'
-    return f'{value:.{digits}g}'.replace('-', '\u2212')
+    return f'{value:#.{digits}g}'.rstrip('.').replace('-', '\u2212')
 
 
 def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], path: Path) -> None:
