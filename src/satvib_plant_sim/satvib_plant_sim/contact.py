@@ -15,6 +15,9 @@ solution (bisection), and a few Gauss-Seidel sweeps settle the weak coupling of 
 
 from numba import njit
 
+SWEEPS = 8
+BISECTIONS = 60
+
 
 @njit(cache=True)
 def stop_force(s0, s1, limit, stiffness, damping_per_step):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
@@ -36,37 +39,36 @@ def stop_force(s0, s1, limit, stiffness, damping_per_step):  # type: ignore[no-u
 
 
 @njit(cache=True)
-def solve_stops(s0, free, compliance, limit, stiffness, damping_per_step, force):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def solve_stops(x, free, compliance, strut, stiffness, damping_per_step, force):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Find the forces (n) that fit the strokes they lead to.
 
     Args:
-        s0, free: (n) strokes at the start of the step, and at its end without stops.
+        x, free: strokes (the first n) at the start of the step, and at its end without stops.
         compliance: (n, rows) stroke at the end of the step in row j per force on strut i.
-        limit: (n) m.
+        strut: (6, n) of `Discrete`; row 3 is the stroke limit, m.
         stiffness, damping_per_step: N/m; the damping is c_c / h.
         force: (n) result.
     """
-    n = len(s0)
+    n = force.shape[0]
     force[:] = 0.0
-    for _ in range(8):
+    for _ in range(SWEEPS):
         for i in range(n):
             rest = free[i]
             for j in range(n):
                 if j != i:
                     rest += compliance[j, i] * force[j]
             own = compliance[i, i]
-            f = stop_force(s0[i], rest, limit[i], stiffness, damping_per_step)
-            # the root lies between no force and the force of the free end
-            low, high = rest, rest + own * f
+            limit = strut[3, i]
+            # the root lies between the end without this force and the end with all the force that end asks for
+            low = rest
+            high = rest + own * stop_force(x[i], rest, limit, stiffness, damping_per_step)
             if low > high:
                 low, high = high, low
-            for _ in range(60):
+            for _ in range(BISECTIONS):
                 mid = 0.5 * (low + high)
-                if (
-                    mid - rest - own * stop_force(s0[i], mid, limit[i], stiffness, damping_per_step)
-                    > 0.0
-                ):
+                push = stop_force(x[i], mid, limit, stiffness, damping_per_step)
+                if mid - rest - own * push > 0.0:
                     high = mid
                 else:
                     low = mid
-            force[i] = stop_force(s0[i], 0.5 * (low + high), limit[i], stiffness, damping_per_step)
+            force[i] = stop_force(x[i], 0.5 * (low + high), limit, stiffness, damping_per_step)

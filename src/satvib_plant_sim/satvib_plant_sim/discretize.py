@@ -11,8 +11,9 @@ which is exact for such inputs; all three come from one matrix exponential (Van 
 or bends by dV', at theta h within the step adds G0(h - theta h) dV, or G1(h - theta h) dV': by superposition the two
 parts of a divided step, each exact.
 
-Row layout of a state (R): the mechanics and coils (3n+2), padded to a multiple of four; then the sensor chains, stage
-by stage, four lanes each: the n upper sensors and the lower one (the lower plate is one body, so its chain is shared).
+Layout of a state (R): sixteen slots for what drives everything, which are mechanics and coils (3n+2), two for the
+voltages, two for the base's disturbance at both ends of a step; then the sensor chains, stage by stage, four lanes
+each: the n upper sensors and the lower one (the lower plate is one body, so its chain is shared).
 Slopes are per fine step, not per second.
 """
 
@@ -28,6 +29,7 @@ from satvib_plant_sim.rig import Rig
 from satvib_plant_sim.sensor_chain import sensor_chain
 
 Array = NDArray[np.float64]
+INPUTS = 16
 LANES = 4
 
 
@@ -36,8 +38,8 @@ class Discrete:
     """One rig, ready for the kernel; R rows, n struts, c stages of a sensor chain.
 
     Attributes:
-        step: (C, R) columns that multiply x (3n+2), two slots for the voltages, the base disturbance at both ends of
-            the step, then the payload's; C is a multiple of four.
+        step: (16, R) the columns that multiply the first sixteen slots; those of the voltages are left to the kernel.
+        push: (2, R) the same for the force on the payload at both ends of a step.
         chain: (c, c) within a chain.
         hold: (4, n, R) G0(h), G1(h), G0(h - theta h), G1(h - theta h) of the voltages.
         force: (n, R) G0(h) of the corrective forces.
@@ -49,6 +51,7 @@ class Discrete:
     """
 
     step: Array
+    push: Array
     chain: Array
     hold: Array
     force: Array
@@ -75,18 +78,13 @@ class Full:
     parts: Mechanics
 
 
-def rows(struts: int) -> int:
-    """Give the rows of mechanics and coils, padding included."""
-    return -(-(3 * struts + 2) // 4) * 4
-
-
 def full_system(rig: Rig) -> Full:
     """Assemble mechanics and sensor chains."""
     n = rig.struts.count
     m = mechanics(rig)
     A_c, b_c, c_c = sensor_chain(rig)
     stages = len(b_c)
-    size, base = 3 * n + 2, rows(n)
+    size, base = 3 * n + 2, INPUTS
     total = base + LANES * stages
     A, B = np.zeros((total, total)), np.zeros((total, m.B.shape[1]))
     C, D = np.zeros((2 * (n + 1), total)), np.zeros((2 * (n + 1), m.B.shape[1]))
@@ -116,7 +114,7 @@ def discretize(rig: Rig) -> Discrete:
     """Make the kernel's arrays of a rig."""
     n, acquisition = rig.struts.count, rig.acquisition
     system = full_system(rig)
-    total, size, base = len(system.A), 3 * n + 2, rows(n)
+    total, size = len(system.A), 3 * n + 2
     n_fine = acquisition.fine_steps
     h = acquisition.period / n_fine
     steps = acquisition.input_delay / h
@@ -126,16 +124,16 @@ def discretize(rig: Rig) -> Discrete:
     E, G0, G1 = transition(system.A, system.B, h)
     _, P0, P1 = transition(system.A, system.B, h * (1.0 - theta))
     v, a_d, f_p, f = slice(0, n), n, n + 1, slice(n + 2, 2 * n + 2)
-    columns = -(-(size + 6) // 4) * 4
-    step = np.zeros((columns, total))
+    # a straight line from u_0 to u_1 over the step
+    ends = np.stack([G0 - G1 / h, G1 / h])
+    step = np.zeros((INPUTS, total))
     step[:size] = E[:, :size].T
-    for slot, u in ((size + 2, a_d), (size + 4, f_p)):
-        step[slot] = G0[:, u] - G1[:, u] / h
-        step[slot + 1] = G1[:, u] / h
-    own = base + LANES * np.arange((total - base) // LANES)
+    step[size + 2 : size + 4] = ends[:, :, a_d]
+    own = INPUTS + LANES * np.arange((total - INPUTS) // LANES)
     m, shaker = system.parts, rig.shaker
     return Discrete(
         step=step,
+        push=ends[:, :, f_p].copy(),
         chain=E[np.ix_(own, own)].copy(),
         hold=np.stack([G0[:, v].T, G1[:, v].T / h, P0[:, v].T, P1[:, v].T / h]),
         force=np.ascontiguousarray(G0[:, f].T),

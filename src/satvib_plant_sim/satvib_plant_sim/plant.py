@@ -105,11 +105,11 @@ class Plant:
             self.fine_period,
             self.n_fine,
         )
-        used = 3 * n + 4 + 2 * self._mixer.channels
-        self._columns = _stack(designs, 'step')[:, : -(-used // 4) * 4].copy()
         self._constants = [
             _stack(designs, name)
             for name in (
+                'step',
+                'push',
                 'chain',
                 'hold',
                 'force',
@@ -195,18 +195,8 @@ class Plant:
             )
         upper = np.empty((trials, n, self.n_fine))
         lower = np.empty((trials, self.n_fine))
-        chain, hold, force, strut, inertia, point, shaker, stop, theta = self._constants
         summary = advance_period(
-            self._columns,
-            chain,
-            hold,
-            force,
-            strut,
-            inertia,
-            point,
-            shaker,
-            stop,
-            theta,
+            *self._constants,
             command,
             event,
             self._linear,
