@@ -94,7 +94,7 @@ def _record(n: int) -> Any:
     return record
 
 
-step_2, step_5 = _fixed_step(2), _fixed_step(5)
+step_2, step_3, step_5 = _fixed_step(2), _fixed_step(3), _fixed_step(5)
 forces_1, forces_3 = _forces(1), _forces(3)
 record_1, record_3 = _record(1), _record(3)
 

@@ -19,6 +19,7 @@ from satvib_plant_sim.fine_step import (
     record_1,
     record_3,
     step_2,
+    step_3,
     step_5,
 )
 from satvib_plant_sim.hold import begin_lines, next_event, turn
@@ -121,6 +122,8 @@ def _advance_period(stamp: int) -> Kernel:
             x[size + 3] = disturbance[0, j + 1]
             if stages == 2:
                 step_2(step, own, x, y)
+            elif stages == 3:
+                step_3(step, own, x, y)
             elif stages == 5:
                 step_5(step, own, x, y)
             else:

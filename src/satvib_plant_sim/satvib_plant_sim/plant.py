@@ -26,6 +26,8 @@ from satvib_plant_sim.converters import (
 from satvib_plant_sim.discretize import Discrete, discretize
 from satvib_plant_sim.disturbance import Disturbance
 from satvib_plant_sim.disturbance.mixer import Mixer
+from satvib_plant_sim.energy import stored_energy
+from satvib_plant_sim.modal import equilibrium
 from satvib_plant_sim.noise import NormalSource, noise_model
 from satvib_plant_sim.period import advance_period
 from satvib_plant_sim.response import source_transfer
@@ -141,6 +143,18 @@ class Plant:
         start = np.stack([m[2] for m in models])
         advance_noise(np.zeros_like(start), start, self._normals(0), self._noise)
         self.terminal_voltage = np.zeros((*self.shape, n))
+
+    def displace(self, stroke: ArrayLike) -> None:
+        """Hold the payload at rest with strokes (*shape, struts), m, from which the next `advance` lets it go."""
+        trials, n = len(self.rigs), self.struts
+        strokes = np.broadcast_to(np.asarray(stroke, dtype=float), (*self.shape, n))
+        self._state[:] = 0.0
+        for i, (rig, s) in enumerate(zip(self.rigs, strokes.reshape(trials, n), strict=True)):
+            self._state[i, : 3 * n + 2] = equilibrium(rig, s)
+
+    def energy(self) -> Array:
+        """Give the energy stored in mechanics, stops and coils (*shape), J."""
+        return stored_energy(self.rigs, self._state).reshape(self.shape)
 
     def _normals(self, k: int) -> Array:
         return self._normal.at(k).reshape(len(self.rigs), 2 * self.struts, self._stages)
