@@ -21,11 +21,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.calibration import BiasCalibration
-from satvib_common.guard import VoltageGuard
+from satvib_common.guard import Guarded, VoltageGuard
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.sequence import Arrival, SequenceTracker
 from satvib_common.statistics import MovingRms
 
+from satvib_control.divergence import DivergenceWatch
 from satvib_control.law import STATE_FIELDS, Array, LawInput, LawState, Mask, make_law
 from satvib_control.parameters import ControllerParameters
 from satvib_control.polynomial import broadcast_model, model_polynomials, stable
@@ -39,6 +40,9 @@ NOT_FINITE = reason('fault: the law asked for a voltage that is not finite')
 LOST = reason('0 V: the upper acceleration is missing')
 LOST_LONG = reason('fault: the upper acceleration was missing for too long')
 RESTLESS = reason('fault: the upper sensor was not at rest in CALIBRATE')
+DIVERGED = reason('fault: the law made the vibration grow, three times in a row')
+LISTENING = reason('0 V: the vibration grew, listening whether the law is the cause')
+REDUCED = reason('the law had made the vibration grow and goes on with less voltage')
 STOPPED = reason('fault: stopped from outside')
 UNSTABLE = reason('the identified model is not stable: not taken')
 UNCAUSAL = reason('the identified model has no delay, so no law can use it: not taken')
@@ -126,12 +130,13 @@ class ControllerCore:
         self.guard = VoltageGuard(p.voltage_limit, p.slew_limit or np.inf, self.dt, shape)
         self.calibration_upper = BiasCalibration(shape)
         self.calibration_lower = BiasCalibration(shape)
+        self.watch = DivergenceWatch(p, self.dt, shape)
         self._rms = MovingRms(max(round(p.rms_window * p.sample_rate), 1), shape)
         self._tracker = SequenceTracker()
         self._zero = np.zeros(shape)
         self._lost = np.zeros(shape, dtype=np.int64)
         self._saturated = np.zeros(shape, dtype=bool)
-        self._fade = 1.0
+        self._fade = np.ones(shape)
         self._fault_reason = np.zeros(shape, dtype=np.int64)
         self._model_reason = np.zeros(shape, dtype=np.int64)
         self._waiting: tuple[Any, Mask, Array | None] | None = None
@@ -182,6 +187,7 @@ class ControllerCore:
         """Release latched faults; the law begins at rest. Biases and the identified model stay."""
         self.guard.reset()
         self.law.reset()
+        self.watch.reset()
         self._stop = np.zeros(self.shape, dtype=bool)
         self._lost = np.zeros(self.shape, dtype=np.int64)
         self._fault_reason = np.zeros(self.shape, dtype=np.int64)
@@ -197,7 +203,7 @@ class ControllerCore:
         if arrival is Arrival.RESTART:
             self._begin()
             self._tracker.see(k)
-        phase = plan.at(k)
+        p, phase = self.parameters, plan.at(k)
         upper, lower = np.asarray(upper, dtype=float), np.asarray(lower, dtype=float)
         valid = np.isfinite(upper)
         if phase == Phase.CALIBRATE:
@@ -211,48 +217,69 @@ class ControllerCore:
         self._lost = np.where(valid, 0, self._lost + 1)
         if phase not in {Phase.CALIBRATE, Phase.IDENTIFY} and self._waiting is not None:
             self.law.set_model(*self._waiting)
+            self.watch.set_model(*self._waiting[:2])
             self._waiting = None
-        x = LawInput(k, clean, lower_clean, self.guard.voltage, self._saturated, valid, self._fade)
+        acting = phase in {Phase.ADAPT, Phase.CONTROL}
+        # in ADAPT the law shakes the strut on purpose
+        scale, verdict = self.watch.step(
+            clean, self.guard.voltage, self._saturated, phase == Phase.CONTROL
+        )
+        if verdict.any():
+            self.law.reset(verdict > 0.0)
+        # a law that is not let through must not learn from what it asks for
+        frozen = self._saturated | self.watch.listening()
+        x = LawInput(k, clean, lower_clean, self.guard.voltage, frozen, valid, self._fade)
         demand = self.law.step(x, phase)
-        return self._finish(k, plan, phase, demand, valid, clean)
-
-    def _finish(
-        self, k: int, plan: PhasePlan, phase: Phase, demand: Array, valid: Mask, clean: Array
-    ) -> ControllerOutput:
-        p, state = self.parameters, self.law.state
-        self._fade = 1.0 if phase == Phase.ADAPT else 0.0
+        state = self.law.state
         reference, adapting, why = state.reference, state.adapting, state.reason
-        if phase == Phase.IDENTIFY:
-            reference = demand = self._signals.at(k - plan.start_of(k))
-        elif phase == Phase.CONTROL:
-            fade = (k - plan.start_of(k) + 1) / max(p.switch_on_time * p.sample_rate, 1.0)
-            self._fade = min(fade, 1.0)
+        self._fade = np.zeros(self.shape)
+        if acting:
+            self._fade = scale * self._fade_in(k, plan, phase)
             demand = demand * self._fade
-        elif phase != Phase.ADAPT:
-            demand = self._zero
-        if phase in {Phase.STANDBY, Phase.CALIBRATE, Phase.IDENTIFY}:
+            if self.law.needs_model:
+                why = np.where(self._model_reason != 0, self._model_reason, why)
+            why = np.where(self.watch.reduced(), REDUCED, why)
+            why = np.where(self.watch.listening(), LISTENING, why)
+        else:
             adapting, why = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=np.int64)
-        elif self.law.needs_model:
-            why = np.where(self._model_reason != 0, self._model_reason, why)
-        lost_long = self._lost >= p.loss_limit
-        finite = np.isfinite(demand)
-        demand = np.where(valid, demand, 0.0)
-        guarded = self.guard.apply(demand, lost_long | self._stop | (self._fault_reason != 0))
+            reference = demand = self._zero
+            if phase == Phase.IDENTIFY:
+                reference = demand = self._signals.at(k - plan.start_of(k))
+        guarded, why = self._guard(demand, valid, verdict, why)
+        self._last = ControllerOutput(
+            k, phase, p.law, guarded.voltage, demand, guarded.saturated, guarded.fault,
+            copy.copy(state), reference, self._rms.add(clean), self.calibration_upper.mean,
+            self.calibration_lower.mean, adapting, why, self._tracker.lost,
+        )  # fmt: skip
+        return self._last
+
+    def _fade_in(self, k: int, plan: PhasePlan, phase: Phase) -> float:
+        """Share of the law's voltage while CONTROL begins."""
+        p = self.parameters
+        if phase != Phase.CONTROL:
+            return 1.0
+        return min((k - plan.start_of(k) + 1) / max(p.switch_on_time * p.sample_rate, 1.0), 1.0)
+
+    def _guard(self, demand: Array, valid: Mask, verdict: Array, why: Any) -> tuple[Guarded, Any]:
+        """Let the demand through the guard; a fault that is new remembers its cause."""
+        lost_long = self._lost >= self.parameters.loss_limit
+        finite = np.isfinite(demand) | ~valid
+        failed = verdict == 2.0
+        stop = lost_long | self._stop | failed | (self._fault_reason != 0)
+        guarded = self.guard.apply(np.where(valid, demand, 0.0), stop)
         if guarded.fault.any():
-            cause = np.where(
-                self._stop, STOPPED, np.where(lost_long, LOST_LONG, np.where(finite, 0, NOT_FINITE))
-            )
+            cause = np.where(finite, 0, NOT_FINITE)
+            for condition, code in (
+                (lost_long, LOST_LONG),
+                (failed, DIVERGED),
+                (self._stop, STOPPED),
+            ):
+                cause = np.where(condition, code, cause)
             fresh = guarded.fault & (self._fault_reason == 0)
             self._fault_reason = np.where(fresh, cause, self._fault_reason)
         self._saturated = guarded.saturated
         why = np.where(guarded.fault, self._fault_reason, np.where(valid, why, LOST))
-        self._last = ControllerOutput(
-            k, phase, p.law, guarded.voltage, demand, guarded.saturated, guarded.fault,
-            copy.copy(state),
-            reference, self._rms.add(clean), self.calibration_upper.mean,
-            self.calibration_lower.mean, adapting, why, self._tracker.lost,
-        )  # fmt: skip
-        return self._last
+        return guarded, why
 
     def _check_rest(self) -> None:
         """Once after CALIBRATE: a sensor that was not at rest has no bias to learn."""

@@ -48,9 +48,10 @@ class LawInput:
         upper: shape, m/s^2; upper acceleration without its bias, 0 where it was not measured.
         lower: shape, m/s^2; lower acceleration without its bias, NaN where it was not measured.
         applied: shape, V; the voltage computed from the sample before, as the guard let it through.
-        saturated: shape, bool; the guard changed that voltage.
+        saturated: shape, bool; the guard changed that voltage, or the law is taken off. Nothing is learnt there.
         valid: shape, bool; the upper acceleration was measured. Nothing is learnt where it was not.
-        fade: share of the demand of the sample before that was let through while CONTROL fades in; else 1.
+        fade: shape; share of the demand of the sample before that went to the guard: less than 1 while CONTROL fades in
+            and where the law is taken off, 0 in the phases without a law.
     """
 
     sequence: int
@@ -59,7 +60,7 @@ class LawInput:
     applied: Array
     saturated: Mask
     valid: Mask
-    fade: float = 1.0
+    fade: Array | float = 1.0
 
 
 @dataclass

@@ -60,6 +60,20 @@ class ControllerParameters(LoopParameters):
         1.0, 'window of the running RMS', unit='s', above=0.0, maximum=600.0, read_only=True
     )
 
+    # a law that makes the vibration grow
+    watch_time: float = param(
+        0.5, 'time over which the vibration is watched', unit='s', above=0.0, read_only=True
+    )
+    watch_ratio: float = param(
+        3.0,
+        'growth over the vibration at 0 V, as a ratio of RMS, that makes a law suspect',
+        above=1.0,
+        read_only=True,
+    )
+    watch_floor: float = param(
+        0.1, 'vibration that is nobody to worry about', unit='m/s^2', minimum=0.0, read_only=True
+    )
+
     # IDENTIFY
     excitation: str = param('squares', 'signal of IDENTIFY, by its name', read_only=True)
     excitation_amplitude: float = param(
