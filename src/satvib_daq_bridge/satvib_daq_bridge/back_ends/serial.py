@@ -1,0 +1,317 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Back end `serial`: a microcontroller that speaks docs/serial_protocol.md.
+
+The device owns the time. Its clock is mapped to the host's by the fastest frames: the least delay seen so far, allowed
+to drift by `_DRIFT`, so that a stall of the host shows as lateness and not as a shifted sample.
+
+Writing never waits: while an older frame is still on its way out, a newer command is given up, and the lifetime at the
+device decides.
+"""
+
+import math
+import os
+import select
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from satvib_common.errors import SatvibError
+from satvib_common.schema import Schema, param
+
+from satvib_daq_bridge.back_ends.base import (
+    Array,
+    BackEnd,
+    BackEndError,
+    Reading,
+    check_indices,
+    missing_library,
+    options_of,
+    single_device,
+)
+from satvib_daq_bridge.channels import Channel, Channels
+from satvib_daq_bridge.protocol.framing import FrameReader, frame
+from satvib_daq_bridge.protocol.messages import (
+    VERSION,
+    Command,
+    Configure,
+    Configured,
+    Flag,
+    Hello,
+    Hold,
+    Identity,
+    Message,
+    Refusal,
+    Sample,
+    Stop,
+    Zero,
+    newer,
+    pack,
+    parse,
+)
+
+_DRIFT = 2e-4  # of the clocks against each other, generously
+_MICRO = 1e6
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(Schema):
+    """Settings of the serial line."""
+
+    baud: int = param(2_000_000, 'rate of a UART; a native USB port ignores it', minimum=9600)
+    hold: str = param('linear', 'output between commands', choices=('zero', 'linear'))
+    patience: float = param(3.0, 'longest wait for the device to answer', unit='s', above=0.0)
+
+
+class Serial(BackEnd):
+    """One microcontroller on one line."""
+
+    def __init__(
+        self, channels: Channels, period: float, lifetime: float, options: Options
+    ) -> None:
+        super().__init__(channels, period, lifetime)
+        self.options = options
+        self.path = single_device(channels)
+        self._inputs = np.array([c.index for _, c in channels.inputs])
+        self._outputs = np.array([c.index for _, c in channels.outputs])
+        self._port: Any = None
+        self._reader = FrameReader()
+        self._unsent = b''
+        self._session = 0
+        self._number = 0
+        self._identity: Identity | None = None
+        self._sequence = -1
+        self._device_time = 0
+        self._offset = math.inf
+        self._last_heard = 0.0
+        self._enabled = False
+        self._told: Sample | None = None
+        self.given_up = 0
+        self.lost = 0
+
+    def open(self) -> str:
+        """Open the line, put the device to 0 V and ask what it is."""
+        try:
+            import serial
+        except ImportError:
+            raise missing_library('serial', 'pyserial', 'pip install pyserial') from None
+        try:
+            self._port = serial.Serial(
+                self.path, self.options.baud, timeout=0, write_timeout=0, exclusive=True
+            )
+        except (OSError, ValueError) as error:
+            raise SatvibError(
+                f'{self.path}: the port cannot be opened: {error}; is the device plugged in, the port '
+                "free, and are you in the group 'dialout'?"
+            ) from None
+        # a zero byte ends whatever a writer before us left unfinished
+        self._send_all(b'\0' + frame(pack(Zero())))
+        asked = int.from_bytes(os.urandom(4), 'little')
+        found = self._ask(Hello(0, asked), lambda m: isinstance(m, Identity) and m.number == asked)
+        assert isinstance(found, Identity)
+        self._check_identity(found)
+        self._identity = found
+        return f'{found.name} on {self.path}: {found.inputs} inputs, {found.outputs} outputs'
+
+    def start(self, now: float) -> None:
+        """Begin a session."""
+        assert self._identity is not None
+        self._session = 1 + int.from_bytes(os.urandom(2), 'little') % 0xFFFF
+        limits = [0] * self._identity.outputs
+        for _, coil in self.channels.outputs:
+            limits[coil.index] = math.ceil(coil.limit / coil.gain * _MICRO)
+        setup = Configure(
+            self._session,
+            1,
+            round(self.period * 1e9),
+            round(self.lifetime * _MICRO),
+            Hold[self.options.hold.upper()],
+            self._identity.inputs,
+            tuple(limits),
+        )
+        session = self._session
+        answer = self._ask(
+            setup, lambda m: isinstance(m, Configured) and m.session == session and m.number == 1
+        )
+        assert isinstance(answer, Configured)
+        if answer.refusal is not Refusal.NONE:
+            raise SatvibError(
+                f'{self.path}: the device refuses the set-up ({answer.refusal.name.lower()}): period '
+                f'{self.period:g} s, lifetime {self.lifetime:g} s; its shortest period is '
+                f'{self._identity.shortest_period / 1e9:g} s'
+            )
+        self._number = 0
+        self._sequence = -1
+        self._offset = math.inf
+        self._device_time = 0
+        self._last_heard = now
+
+    def fileno(self) -> int:
+        """The line."""
+        return -1 if self._port is None else int(self._port.fileno())
+
+    def poll(self, now: float) -> list[Reading]:
+        """Give the samples that have arrived."""
+        self._flush()
+        readings = []
+        for message in self._receive():
+            if isinstance(message, Sample) and message.session == self._session:
+                reading = self._reading(message, now)
+                if reading is not None:
+                    readings.append(reading)
+        return readings
+
+    def write(self, volts: Array, sequence: int, enable: bool, now: float) -> None:
+        """Send one command."""
+        del now
+        assert self._identity is not None
+        values = [0] * self._identity.outputs
+        for index, value in zip(self._outputs, volts, strict=True):
+            values[index] = round(float(value) * _MICRO)
+        self._number = (self._number + 1) & 0xFFFFFFFF
+        command = Command(self._session, self._number, sequence & 0xFFFFFFFF, enable, tuple(values))
+        self._enabled = enable
+        self._flush()
+        if self._unsent:
+            self.given_up += 1
+            return
+        self._unsent = frame(pack(command))
+        self._flush()
+
+    def zero(self) -> None:
+        """Say it twice: ZERO, which needs no session, and a command without enable."""
+        if self._port is None:
+            return
+        self._enabled = False
+        try:
+            self._send_all(b'\0' + frame(pack(Zero())), patience=0.05)
+        except (BackEndError, SatvibError):
+            return
+
+    def close(self) -> None:
+        """End the session and let go of the line."""
+        if self._port is None:
+            return
+        try:
+            self._send_all(b'\0' + frame(pack(Stop())), patience=0.05)
+        except (BackEndError, SatvibError):
+            pass
+        finally:
+            self._port.close()
+            self._port = None
+
+    def figures(self) -> dict[str, float]:
+        """Counts of the line."""
+        told = self._told
+        return {
+            'frames': float(self._reader.accepted),
+            'frames rejected': float(self._reader.rejected),
+            'samples lost': float(self.lost),
+            'commands given up': float(self.given_up),
+            'rejected by device': float(told.rejected if told else 0),
+            'refused by device': float(told.refused if told else 0),
+            'dropped by device': float(told.dropped if told else 0),
+        }
+
+    def _reading(self, message: Sample, now: float) -> Reading | None:
+        """Bring a sample into the host's count and time; None for one that is not newer."""
+        assert self._identity is not None
+        if len(message.inputs) != self._identity.inputs:
+            return None
+        if self._sequence >= 0 and not newer(message.number, self._sequence & 0xFFFFFFFF):
+            return None
+        before = self._sequence
+        self._sequence += (message.number - self._sequence) & 0xFFFFFFFF
+        self.lost += self._sequence - before - 1
+        self._device_time += (message.time - self._device_time) & 0xFFFFFFFF
+        taken = self._device_time / _MICRO
+        # the fastest frame defines the offset; it may rise only as fast as clocks drift
+        self._offset = min(now - taken, self._offset + _DRIFT * max(now - self._last_heard, 0.0))
+        self._last_heard = now
+        self._told = message
+        fault = ''
+        if Flag.EXPIRED in message.flags and self._enabled:
+            fault = 'the device had no command within its lifetime and is at 0 V'
+        volts = np.array(message.inputs, dtype=float)[self._inputs] / _MICRO
+        when = taken + self._offset
+        return Reading(self._sequence, when, volts, now - when, fault)
+
+    def _check_identity(self, found: Identity) -> None:
+        if found.version != VERSION:
+            raise SatvibError(
+                f'{self.path}: the device speaks version {found.version} of the protocol, this is '
+                f'version {VERSION}; load the matching firmware'
+            )
+        where = self.channels.where
+        check_indices(where, self.channels.inputs, found.inputs, 'input')
+        check_indices(where, self.channels.outputs, found.outputs, 'output')
+        for named, low, high in (
+            (self.channels.inputs, found.input_low, found.input_high),
+            (self.channels.outputs, found.output_low, found.output_high),
+        ):
+            for name, channel in named:
+                self._check_range(name, channel, low / _MICRO, high / _MICRO)
+
+    def _check_range(self, name: str, channel: Channel, low: float, high: float) -> None:
+        if max(abs(channel.range[0] - low), abs(channel.range[1] - high)) > 1e-3 * (high - low):
+            raise SatvibError(
+                f'{self.channels.where}: {name}.range: {channel.range[0]:g} to {channel.range[1]:g} V, '
+                f'but the device says {low:g} to {high:g} V'
+            )
+
+    def _ask(self, question: Message, is_answer: Any) -> Message:
+        """Send a question until its answer comes."""
+        deadline = time.monotonic() + self.options.patience
+        while time.monotonic() < deadline:
+            self._send_all(frame(pack(question)))
+            again = time.monotonic() + 0.25
+            while time.monotonic() < again:
+                select.select([self.fileno()], [], [], 0.05)
+                for message in self._receive():
+                    if is_answer(message):
+                        return message
+        raise SatvibError(
+            f'{self.path}: no satvib device answers within {self.options.patience:g} s '
+            f'({self._reader.rejected} broken frames seen); is it this port, the right firmware and rate?'
+        )
+
+    def _receive(self) -> list[Message]:
+        try:
+            data = os.read(self.fileno(), 65536)
+        except BlockingIOError:
+            return []
+        except OSError as error:
+            raise BackEndError(f'{self.path}: the line is gone: {error.strerror}') from None
+        if not data:
+            raise BackEndError(f'{self.path}: the line is gone: unplugged')
+        return [m for m in map(parse, self._reader.feed(data)) if m is not None]
+
+    def _flush(self) -> None:
+        """Write what the line takes now."""
+        if not self._unsent:
+            return
+        try:
+            written = os.write(self.fileno(), self._unsent)
+        except BlockingIOError:
+            return
+        except OSError as error:
+            raise BackEndError(f'{self.path}: the line is gone: {error.strerror}') from None
+        self._unsent = self._unsent[written:]
+
+    def _send_all(self, data: bytes, patience: float = 1.0) -> None:
+        """Write all of it, waiting a little; for the moments when nothing else matters."""
+        self._unsent += data
+        deadline = time.monotonic() + patience
+        while self._unsent:
+            self._flush()
+            left = deadline - time.monotonic()
+            if self._unsent and (
+                left <= 0.0 or not select.select([], [self.fileno()], [], left)[1]
+            ):
+                raise BackEndError(f'{self.path}: the line takes nothing')
+
+
+def make(channels: Channels, period: float, lifetime: float) -> Serial:
+    """Build it."""
+    return Serial(channels, period, lifetime, options_of(Options, channels))
