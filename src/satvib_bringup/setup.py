@@ -25,6 +25,9 @@ setup(
         'console_scripts': [
             'satvib = satvib_bringup.cli:main',
             'recorder = satvib_bringup.recorder_node:main',
+            'experiment = satvib_bringup.experiment_node:main',
+            'schedule = satvib_bringup.schedule_node:main',
+            'replay = satvib_bringup.replay_node:main',
         ],
     },
 )

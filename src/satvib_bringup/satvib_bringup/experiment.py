@@ -24,6 +24,7 @@ from satvib_bringup.installed import executable, graph_environment, use_profiles
 from satvib_bringup.observer import Observer
 from satvib_bringup.progress import Outcome, Progress
 from satvib_bringup.recording_check import complaint, read_report
+from satvib_bringup.run_folder import make_run_folder
 from satvib_bringup.salvage import salvage
 from satvib_bringup.scenario import Scenario
 from satvib_bringup.supervisor import Exit, Supervisor
@@ -67,7 +68,7 @@ def run_experiment(
     use_profiles()
     with Observer(graph) as observer, _interruptible(cancel) as interrupted:
         _refuse_company(observer)
-        _make_folder(folder)
+        make_run_folder(folder)
         run = _Run(graph, folder, bag, interrupted)
         with Supervisor(folder / 'logs', graph_environment()) as supervisor:
             return run.go(supervisor, observer, commands, progress)
@@ -84,15 +85,6 @@ def _refuse_company(observer: Observer) -> None:
                 f'{", ..." if len(others) > 3 else ""}); stop it, or set another ROS_DOMAIN_ID'
             )
         time.sleep(0.05)
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True)
-    except FileExistsError:
-        raise SatvibError(f'{folder}: exists already, not overwriting') from None
-    except OSError as error:
-        raise SatvibError(f'{folder}: cannot be made: {error.strerror}') from None
 
 
 @contextlib.contextmanager

@@ -23,6 +23,7 @@ from satvib_common.ros.qos import offered
 
 from satvib_bringup.graph import Graph
 from satvib_bringup.progress import Progress
+from satvib_bringup.schedule import schedule_message
 from satvib_msgs.msg import ControllerState, Schedule
 
 _LATEST = QoSProfile(
@@ -95,16 +96,7 @@ class Observer:
 
     def publish_schedule(self) -> None:
         """Set the graph going."""
-        plan = self.graph.plan
-        message = Schedule(
-            scenario=self.graph.scenario,
-            seed=self.graph.seed,
-            sample_period=self.graph.sample_period,
-            struts=list(self.graph.struts),
-            phases=[int(phase) for phase in plan.phases],
-            first_sequence=list(plan.first),
-            end_sequence=plan.end,
-        )
+        message = schedule_message(self.graph)
         message.header.stamp = self._node.get_clock().now().to_msg()
         self._schedule_out.publish(message)
         self._began = time.monotonic()

@@ -84,6 +84,8 @@ class Supervisor:
     def __exit__(self, *_: object) -> None:
         """Nothing is left running."""
         self.stop(self._children, patience=1.0)
+        for child in self._children.values():
+            child.sink.close()
 
     def start(self, name: str, command: Sequence[str]) -> int:
         """Start a process; gives its id.
@@ -146,7 +148,6 @@ class Supervisor:
                 child.popen.wait()
         for child in running:
             child.told = True
-            child.sink.close()
         return [Exit(c.name, c.popen.returncode, last_line(c.log)) for c in running]
 
 

@@ -175,6 +175,11 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
             self.ended = True
             self.exit_code = code
             self.last_line = line
+            self.wake_up()
+
+    def wake_up(self) -> None:
+        """Let the main loop call `tick` without waiting any longer."""
+        if not self.wake.done():
             self.wake.set_result(None)
 
     def fail(self, error: Exception) -> None:
