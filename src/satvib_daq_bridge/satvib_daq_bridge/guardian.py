@@ -74,7 +74,7 @@ class Guardian:
     def start(self) -> None:
         """Begin to sample."""
         now = self.clock()
-        self._applied_at = now
+        self._applied_at = self._figures_at = now
         self.back_end.start(now)
 
     def step(self, others: list[int]) -> list[int]:
@@ -281,7 +281,10 @@ def _serve(bridge: line.Line) -> int:
             return 0
         guardian.start()
         bridge.send(
-            line.pack_text(line.READY, {'found': found, 'refused': refused, 'pid': os.getpid()})
+            line.pack_text(
+                line.READY,
+                {'found': found, 'refused': refused, 'virtual': guardian.back_end.virtual},
+            )
         )
         while not guardian.over:
             if guardian.step([alarm]):
