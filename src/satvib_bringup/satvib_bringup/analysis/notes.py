@@ -11,6 +11,9 @@ from satvib_bringup.recording import Recording
 # measured and true attenuation that differ by more than this are worth a sentence
 HONESTY = 3.0
 
+# dB; less is no change
+_NOTABLE = 0.1
+
 _NAMES = {'rms': 'RMS', 'tone': 'tone'}
 
 
@@ -63,7 +66,7 @@ def _listed(evaluation: Evaluation, where: NDArray[np.bool_]) -> str:
 def _worse(evaluation: Evaluation) -> list[str]:
     true, measured = evaluation.attenuation['true_rms'], evaluation.attenuation['measured_rms']
     known = np.where(np.isfinite(true), true, measured)
-    worse = known > 0.0
+    worse = known > _NOTABLE
     if not np.any(worse):
         return []
     largest = np.nanmax(known)
