@@ -2,10 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """The dominant mode of an identified model, the polarity of its coil, and the gain that gives a wanted damping.
 
+The mode. For an isolator G ~ s^2 / (s^2 + 2 zeta w s + w^2) the loop L = C G with C ~ 1/s peaks at w whatever the
+damping. Poles alone would not do: an identified model of higher order has some that zeros cancel, often nearest to the
+unit circle, and some of filters. So the mode is the pole (or pair) whose partial fraction, without the input delay, is
+largest at the peak w_p, weighed by 1 / (1 + (2 ln(|s| / w_p))^2) for its distance from it; real poles count only when
+no pair makes a twentieth of the peak.
+
 Polarity. The paper's Eqs. (40)-(41) carry minus signs that belong to its own wiring. Here the sign comes from the
 model: it is the sign of K for which u = -K C y reduces the vibration around and below the mode, that is the sign of
 
-    sum over f in [0.3 f_n, 1.1 f_n] of Re L(f) |L(f)|,    L = C G.
+    sum over f in [0.3, 1.1] f_peak of Re L(f) |L(f)|.
 
 (The step response would not do: a stiff strut sampled slowly has forgotten the kick before the first sample sees it.)
 
@@ -47,28 +53,51 @@ def _response(c: Array, zi: NDArray[np.complex128]) -> NDArray[np.complex128]:
     return total
 
 
-def _dominant(a: Array) -> complex:
-    """The slowest-dying complex pole (upper one of the pair); the slowest real one when there is no pair."""
+def _loop(b: Array, a: Array, cb: Array, ca: Array, f: Array) -> NDArray[np.complex128]:
+    """C B/A at frequencies in shares of the sample rate."""
+    zi = np.exp(-2j * math.pi * f)
+    top = _response(b, zi) * _response(cb, zi)
+    result: NDArray[np.complex128] = top / (_response(a, zi) * _response(ca, zi))
+    return result
+
+
+def _peak(b: Array, a: Array, cb: Array, ca: Array) -> float:
+    """Where |C B/A| is largest, as a share of the sample rate."""
+    f = np.geomspace(1e-3, 0.4, 300)
+    return float(f[np.argmax(np.abs(_loop(b, a, cb, ca, f)))])
+
+
+def _dominant(b: Array, a: Array, cb: Array, ca: Array, delay: int) -> complex:
+    """The pole of B/A (upper one of a pair) that makes the peak of C B/A; 0 when there is none."""
     roots = _roots(a)
-    if len(roots) == 0:
-        return 0.0j
-    pairs = roots[roots.imag > 1e-9]
-    candidates = pairs if len(pairs) else roots
-    return complex(candidates[np.argmax(np.abs(candidates))])
+    roots = roots[(roots.imag >= 0.0) & (np.abs(roots) < 1.0) & (np.abs(roots) > 1e-3)]
+    w = 2.0 * math.pi * _peak(b, a, cb, ca)
+    turn = cmath.exp(-1j * w)
+    height = float(np.abs(_loop(b, a, cb, ca, np.array([w / (2.0 * math.pi)])))[0])
+    best, largest = 0.0j, -1.0
+    slope = a * np.arange(len(a))  # z^-1 times the derivative of A
+    for z in map(complex, roots):
+        zi = 1.0 / z
+        bottom = value(slope, zi) * value(ca, zi)
+        if bottom == 0.0:
+            continue
+        residue = value(b, zi) * value(cb, zi) * z**delay / bottom
+        part = residue / (1.0 - z * turn)
+        if z.imag > 0.0:
+            part += residue.conjugate() / (1.0 - z.conjugate() * turn)
+        distance = 2.0 * math.log(abs(cmath.log(z)) / w)
+        score = abs(part) / (1.0 + distance * distance)
+        if z.imag == 0.0 or abs(part) < 0.05 * height:
+            score *= 1e-6  # the choice among those is made only when there is nothing better
+        if score > largest:
+            best, largest = z, score
+    return best
 
 
-def dominant_pole(model: IirModel) -> NDArray[np.complex128]:
-    """Give s = ln z / dt (rad/s) of the dominant pole per item; 0 where there is none."""
-    a = model_polynomials(model)[1]
-    out = np.zeros(a.shape[:-1], dtype=complex)
-    for i in np.ndindex(out.shape):
-        z = _dominant(a[i]) if np.all(np.isfinite(a[i])) else 0.0j
-        out[i] = cmath.log(z) / model.dt if z else 0.0
-    return out
-
-
-def polarity(model: IirModel, numerator: ArrayLike, denominator: ArrayLike) -> Array:
-    """Give +1 or -1 per item: the sign of K for which u = -K C y calms the dominant mode.
+def dominant_pole(
+    model: IirModel, numerator: ArrayLike, denominator: ArrayLike
+) -> NDArray[np.complex128]:
+    """Give s = ln z / dt (rad/s) of the dominant pole per item; 0 where there is none.
 
     Args:
         model: G.
@@ -77,16 +106,25 @@ def polarity(model: IirModel, numerator: ArrayLike, denominator: ArrayLike) -> A
     """
     b, a = model_polynomials(model)
     cb, ca = np.asarray(numerator, dtype=float), np.asarray(denominator, dtype=float)
+    out = np.zeros(a.shape[:-1], dtype=complex)
+    for i in np.ndindex(out.shape):
+        if np.all(np.isfinite(a[i])) and np.all(np.isfinite(b[i])):
+            z = _dominant(b[i], a[i], cb, ca, model.delay)
+            out[i] = cmath.log(z) / model.dt if z else 0.0
+    return out
+
+
+def polarity(model: IirModel, numerator: ArrayLike, denominator: ArrayLike) -> Array:
+    """Give +1 or -1 per item: the sign of K for which u = -K C y calms the dominant mode; C as above."""
+    b, a = model_polynomials(model)
+    cb, ca = np.asarray(numerator, dtype=float), np.asarray(denominator, dtype=float)
     out = np.ones(a.shape[:-1])
-    poles = dominant_pole(model)
     for i in np.ndindex(out.shape):
         if not (np.all(np.isfinite(a[i])) and np.all(np.isfinite(b[i]))):
             continue
-        w = np.linspace(0.3, 1.1, 33) * abs(poles[i]) * model.dt
-        zi = np.exp(-1j * np.minimum(w, math.pi))
-        loop = _response(b[i], zi) * _response(cb, zi)
-        loop = loop / (_response(a[i], zi) * _response(ca, zi))
-        out[i] = 1.0 if float((loop.real * abs(loop)).sum()) >= 0.0 else -1.0
+        f = np.linspace(0.3, 1.1, 33) * _peak(b[i], a[i], cb, ca)
+        near = _loop(b[i], a[i], cb, ca, f)
+        out[i] = 1.0 if float((near.real * np.abs(near)).sum()) >= 0.0 else -1.0
     return out
 
 
@@ -108,7 +146,7 @@ def damping_gain(
     b, a = model_polynomials(model)
     gain, damping = np.zeros(a.shape[:-1]), np.full(a.shape[:-1], np.nan)
     limit = np.broadcast_to(limit, gain.shape)
-    poles = dominant_pole(model)
+    poles = dominant_pole(model, numerator, denominator)
     for i in np.ndindex(gain.shape):
         s = complex(poles[i])
         if s == 0.0:

@@ -148,12 +148,14 @@ class ModelReference(BasicLaw):
         fixed[..., 0, : b.shape[-1]], fixed[..., 1, : a.shape[-1]] = b, a
         if p.reference_model == 'designed':
             frequency = 2.0 * math.pi * p.reference_frequency
-            designed = designed_model(model, frequency, p.reference_damping)
+            designed = designed_model(
+                model, frequency, p.reference_damping, dominant_pole(model, fb, fa)
+            )
             fixed[..., 4:6, : designed.shape[-1]] = designed
 
         start = sign[..., None] * np.array([p.gain_p, p.gain_i, p.gain_d])
         memory, settings = self._memory.copy(), self._settings.copy()
-        speed = np.maximum(np.abs(dominant_pole(model)), 1e-3)
+        speed = np.maximum(np.abs(dominant_pole(model, fb, fa)), 1e-3)
         sizes = np.stack([np.abs(limit) / speed, np.abs(limit), np.abs(limit) / speed**2], axis=-1)
         gains = np.where(self._known[..., None], memory[..., :3], start)
         for k in (start, gains):

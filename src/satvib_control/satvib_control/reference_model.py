@@ -15,18 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 from satvib_ident.iir_model import IirModel
 
-from satvib_control.dominant import dominant_pole
 
-
-def designed_model(model: IirModel, w: float, damping: float) -> NDArray[np.float64]:
+def designed_model(
+    model: IirModel, w: float, damping: float, poles: NDArray[np.complex128]
+) -> NDArray[np.float64]:
     """Give numerator and denominator in z^-1, (*shape, 2, 3 + delay).
 
     Args:
-        model: the identified model, for zeta_0, the delay and T.
+        model: the identified model, for the delay and T.
         w: rad/s; 0 for the model's own.
         damping: zeta_m.
+        poles: shape, rad/s; the model's dominant pole, for zeta_0.
     """
-    poles = dominant_pole(model)
     out = np.zeros((*poles.shape, 2, 3 + model.delay))
     for i in np.ndindex(poles.shape):
         s = complex(poles[i])

@@ -24,7 +24,8 @@ def test_the_polarity_is_that_of_the_wiring(make_isolator, rate, plant, latency)
 @pytest.mark.parametrize('plant', PLANTS)
 def test_the_dominant_pole_is_the_mode(make_isolator, plant):
     """Truth: the continuous pole that the plant was made with; exact under zero-order hold, 1e-6."""
-    s = complex(dominant_pole(make_isolator(500.0, wn=plant[0], zeta=plant[1])))
+    model = make_isolator(500.0, wn=plant[0], zeta=plant[1])
+    s = complex(dominant_pole(model, *leaky_integrator(0.5, 0.002)))
     assert abs(s) == pytest.approx(plant[0], rel=1e-6)
     assert -s.real / abs(s) == pytest.approx(plant[1], rel=1e-6)
 
@@ -73,3 +74,18 @@ def test_a_mode_that_is_damped_enough_needs_no_gain(make_isolator):
     gain, damping = damping_gain(model, fb, fa, np.array(100.0), 0.5)
     assert gain == 0.0
     assert damping == pytest.approx(0.79, rel=1e-6)
+
+
+@pytest.mark.parametrize('modulus', [0.9, 0.99, 0.999])
+@pytest.mark.parametrize('angle', [0.5, 1.5, 2.8])
+def test_a_pole_that_a_zero_cancels_does_not_count(make_isolator, modulus, angle):
+    """As identified models of too high an order have them. Truth: the plant without the pair; 1e-3 and the sign."""
+    model = make_isolator(200.0, gain=-1.2)
+    pole, zero = modulus * np.exp(1j * angle), (modulus - 1e-4) * np.exp(1j * (angle + 1e-4))
+    pair, cancel = ([1.0, -2.0 * z.real, abs(z) ** 2] for z in (pole, zero))
+    a, b = np.convolve(np.concatenate([[1.0], model.a]), pair), np.convolve(model.b, cancel)
+    wider = IirModel(a[1:], b, 1, model.dt)
+    fb, fa = leaky_integrator(0.5, model.dt)
+    assert polarity(wider, fb, fa) == -1.0
+    s = complex(dominant_pole(wider, fb, fa))
+    assert s == pytest.approx(complex(dominant_pole(model, fb, fa)), rel=1e-3)
