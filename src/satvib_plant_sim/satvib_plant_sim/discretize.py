@@ -22,8 +22,8 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
+from satvib_plant_sim.exponential import exponential
 from satvib_plant_sim.mechanics import Mechanics, mechanics
 from satvib_plant_sim.rig import Rig
 from satvib_plant_sim.sensor_chain import sensor_chain
@@ -82,7 +82,7 @@ def full_system(rig: Rig) -> Full:
     """Assemble mechanics and sensor chains."""
     n = rig.struts.count
     m = mechanics(rig)
-    A_c, b_c, c_c = sensor_chain(rig)
+    A_c, b_c, c_c = sensor_chain(rig.accelerometer, rig.acquisition)
     stages = len(b_c)
     size, base = 3 * n + 2, INPUTS
     total = base + LANES * stages
@@ -103,15 +103,16 @@ def transition(A: Array, B: Array, t: float) -> tuple[Array, Array, Array]:
     """Give E(t), G0(t), G1(t) of the module's equations, with slopes per second."""
     size, inputs = B.shape
     big = np.zeros((size + 2 * inputs, size + 2 * inputs))
-    big[:size, :size], big[:size, size : size + inputs] = A, B
+    big[:size, :size], big[:size, size : size + inputs] = A * t, B * t
+    # with time counted in t, slopes stay near one and the matrix well scaled
     big[size : size + inputs, size + inputs :] = np.eye(inputs)
-    E = expm(big * t)
-    return E[:size, :size], E[:size, size : size + inputs], E[:size, size + inputs :]
+    E = exponential(big)
+    return E[:size, :size], E[:size, size : size + inputs], E[:size, size + inputs :] * t
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=1024)
 def discretize(rig: Rig) -> Discrete:
-    """Make the kernel's arrays of a rig."""
+    """Make the kernel's arrays of a rig, about 10 kB; the last 1024 are kept."""
     n, acquisition = rig.struts.count, rig.acquisition
     system = full_system(rig)
     total, size = len(system.A), 3 * n + 2
@@ -122,7 +123,9 @@ def discretize(rig: Rig) -> Discrete:
     theta = max(steps - whole, 0.0) if abs(steps - round(steps)) >= 1e-9 else 0.0
 
     E, G0, G1 = transition(system.A, system.B, h)
-    _, P0, P1 = transition(system.A, system.B, h * (1.0 - theta))
+    P0, P1 = G0, G1
+    if theta > 0.0:
+        _, P0, P1 = transition(system.A, system.B, h * (1.0 - theta))
     v, a_d, f_p, f = slice(0, n), n, n + 1, slice(n + 2, 2 * n + 2)
     # a straight line from u_0 to u_1 over the step
     ends = np.stack([G0 - G1 / h, G1 / h])

@@ -10,11 +10,14 @@ The chain is linear, so noise has states of its own and truth stays free of it. 
 stationary covariance A P + P A' + b q b' = 0, so there is no start-up.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, expm, solve_continuous_lyapunov
+from scipy.linalg import cholesky, solve_continuous_lyapunov
 
-from satvib_plant_sim.rig import Rig
+from satvib_plant_sim.exponential import exponential
+from satvib_plant_sim.rig import Accelerometer, Acquisition, Rig
 from satvib_plant_sim.sensor_chain import noise_intensity, sensor_chain
 
 Array = NDArray[np.float64]
@@ -23,9 +26,8 @@ BLOCK = 128
 
 def noise_covariance(rig: Rig) -> Array:
     """Give the stationary covariance (c, c) of a chain's noise states; the last is the converter's input."""
-    A, b, _ = sensor_chain(rig)
-    covariance: Array = solve_continuous_lyapunov(A, -noise_intensity(rig) * np.outer(b, b))
-    return 0.5 * (covariance + covariance.T)
+    A, b, _ = sensor_chain(rig.accelerometer, rig.acquisition)
+    return _stationary(A, b, noise_intensity(rig.accelerometer))
 
 
 def noise_floor(rig: Rig) -> float:
@@ -56,15 +58,26 @@ def _factor(covariance: Array) -> Array:
 
 def noise_model(rig: Rig) -> tuple[Array, Array, Array]:
     """Give E, L and the factor of the stationary covariance, each (c, c)."""
-    A, b, _ = sensor_chain(rig)
+    return _noise_model(rig.accelerometer, rig.acquisition)
+
+
+@lru_cache(maxsize=256)
+def _noise_model(sensor: Accelerometer, acquisition: Acquisition) -> tuple[Array, Array, Array]:
+    """Do the work once for all rigs that measure alike."""
+    A, b, _ = sensor_chain(sensor, acquisition)
     c = len(b)
-    T = rig.acquisition.period
+    q = noise_intensity(sensor)
     big = np.zeros((2 * c, 2 * c))
-    big[:c, :c], big[:c, c:], big[c:, c:] = -A, noise_intensity(rig) * np.outer(b, b), A.T
-    F = expm(big * T)
-    E = F[c:, c:].T
+    big[:c, :c], big[:c, c:], big[c:, c:] = -A, q * np.outer(b, b), A.T
+    F = exponential(big * acquisition.period)
+    E = F[c:, c:].T.copy()
     Q = E @ F[:c, c:]
-    return E, _factor(0.5 * (Q + Q.T)), _factor(noise_covariance(rig))
+    return E, _factor(0.5 * (Q + Q.T)), _factor(_stationary(A, b, q))
+
+
+def _stationary(A: Array, b: Array, q: float) -> Array:
+    covariance: Array = solve_continuous_lyapunov(A, -q * np.outer(b, b))
+    return 0.5 * (covariance + covariance.T)
 
 
 class NormalSource:

@@ -14,16 +14,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from satvib_plant_sim.rig import Rig
+from satvib_plant_sim.rig import Accelerometer, Acquisition
 
 Array = NDArray[np.float64]
 
 
-def sensor_chain(rig: Rig) -> tuple[Array, Array, Array]:
+def sensor_chain(sensor: Accelerometer, acquisition: Acquisition) -> tuple[Array, Array, Array]:
     """Give (A, b, c) of one channel; the order is 1 + filter_order, and c picks the last state."""
-    wb = 2.0 * math.pi * rig.accelerometer.bandwidth
-    order = rig.acquisition.filter_order
-    wc = 2.0 * math.pi * rig.acquisition.filter_corner
+    wb = 2.0 * math.pi * sensor.bandwidth
+    order = acquisition.filter_order
+    wc = 2.0 * math.pi * acquisition.filter_corner
     size = 1 + order
     A, b, c = np.zeros((size, size)), np.zeros(size), np.zeros(size)
     A[0, 0], b[0] = -wb, wb
@@ -42,7 +42,7 @@ def sensor_chain(rig: Rig) -> tuple[Array, Array, Array]:
     return A, b, c
 
 
-def noise_intensity(rig: Rig) -> float:
+def noise_intensity(sensor: Accelerometer) -> float:
     """Give q, (m/s^2)^2 s: intensity of the white noise at the sensor's input."""
-    wb = 2.0 * math.pi * rig.accelerometer.bandwidth
-    return 2.0 * rig.accelerometer.noise_rms**2 / wb
+    wb = 2.0 * math.pi * sensor.bandwidth
+    return 2.0 * sensor.noise_rms**2 / wb
