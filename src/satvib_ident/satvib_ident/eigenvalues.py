@@ -12,8 +12,8 @@ from satvib_common.kernel import kernel
 
 
 @njit
-def _jacobi(A):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Smallest and largest eigenvalue; A is used up."""
+def _rotate(A, V):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Make A diagonal in place; rows of V, if it has any, turn with it."""
     p = A.shape[0]
     for _ in range(30):
         off = 0.0
@@ -45,6 +45,18 @@ def _jacobi(A):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
                     left, right = A[i, k], A[j, k]
                     A[i, k] = c * left - s * right
                     A[j, k] = s * left + c * right
+                if V.shape[0] > 0:
+                    for k in range(p):
+                        left, right = V[i, k], V[j, k]
+                        V[i, k] = c * left - s * right
+                        V[j, k] = s * left + c * right
+
+
+@njit
+def _jacobi(A):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Smallest and largest eigenvalue; A is used up."""
+    p = A.shape[0]
+    _rotate(A, A[:0])
     low = A[0, 0]
     high = A[0, 0]
     for i in range(1, p):
@@ -86,6 +98,33 @@ def _information(U, d, inverse, R, low, high):  # type: ignore[no-untyped-def]  
     for i in range(p):
         R[i, i] = 1.0
     low[0], high[0] = _jacobi(R)
+
+
+@kernel('void(f8[:,:], f8, f8[:,:], f8[:,:])', '(p,p),()->(p,p),(p,p)')
+def _directions(A, floor, work, V):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    p = A.shape[0]
+    for i in range(p):
+        for j in range(p):
+            work[i, j] = A[i, j]
+            V[i, j] = 1.0 if i == j else 0.0
+    _rotate(work, V)
+    high = 0.0
+    for i in range(p):
+        high = max(high, work[i, i])
+    for i in range(p):
+        if not work[i, i] > max(floor, 1e-12 * high):
+            for j in range(p):
+                V[i, j] = 0.0
+
+
+def strong_directions(matrix: NDArray[np.float64], floor: float) -> NDArray[np.float64]:
+    """Eigenvectors of a symmetric matrix (..., p, p) with eigenvalues above `floor` and 1e-12 of the largest.
+
+    Returns:
+        (..., p, p): one eigenvector a row; rows of zeros for the others.
+    """
+    _, vectors = _directions(matrix, floor)
+    return np.asarray(vectors)
 
 
 def extreme_eigenvalues(

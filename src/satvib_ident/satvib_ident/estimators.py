@@ -21,15 +21,19 @@ from satvib_ident.recursive_least_squares import RecursiveLeastSquares
 def make_forgetting(parameters: IdentifierParameters) -> Forgetting:
     """Make the forgetting rule of an identifier; a rule belongs to one estimator."""
     p = parameters
+    test = VariableRateForgetting(
+        p.short_window, p.long_window, p.confidence, p.forgetting_rate,
+        p.forgetting_smallest, p.error_floor,
+    )  # fmt: skip
     match p.forgetting:
         case 'exponential':
             return ExponentialForgetting(p.forgetting_factor)
         case 'variable_rate':
-            return VariableRateForgetting(
-                p.short_window, p.long_window, p.confidence, p.forgetting_rate, floor=p.error_floor
-            )
+            return test
         case 'directional':
-            return DirectionalForgetting(p.forgetting_factor, p.regressor_floor)
+            return DirectionalForgetting(
+                p.forgetting_factor, p.regressor_floor, float(p.short_window), test
+            )
         case 'resetting':
             return CovarianceResetting(p.reset_threshold, p.reset_covariance)
         case 'dead_zone':

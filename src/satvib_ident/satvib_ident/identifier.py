@@ -19,6 +19,7 @@ from satvib_ident.eigenvalues import information_measures
 from satvib_ident.estimators import make_estimator
 from satvib_ident.iir_model import IirModel
 from satvib_ident.measures import RecentSignal
+from satvib_ident.model_error import ModelError
 from satvib_ident.parameters import IdentifierParameters
 from satvib_ident.polynomials import pole_modulus
 from satvib_ident.regressor import IirRegressor
@@ -50,6 +51,7 @@ class Identification:
         information_condition: its condition number.
         whiteness: Ljung-Box statistic over its degrees of freedom.
         response_deviation: largest relative deviation of the frequency response in the band of interest.
+        model_error: largest relative error of that response that the residual gives away.
         pole_modulus: largest modulus of the poles.
         converged: the model may be believed.
         verdict: the checks behind `converged`, with reasons.
@@ -70,6 +72,7 @@ class Identification:
     information_eigenvalue: Array
     information_condition: Array
     response_deviation: Array
+    model_error: Array
     whiteness: Array
     pole_modulus: Array
     converged: Mask
@@ -119,6 +122,15 @@ class IdentifierCore:
             parameters.coefficients,
         )
         self._input = RecentSignal(parameters.measure_window, shape)
+        self._model_error = ModelError(
+            self._response.frequencies,
+            parameters.dt,
+            parameters.poles,
+            parameters.coefficients,
+            parameters.measure_window,
+            parameters.error_lags,
+            shape,
+        )
         self._residual = RecentSignal(parameters.measure_window, shape)
         self._hold = round(parameters.input_hold * parameters.sample_rate)
         self._not_finite = np.zeros(shape)
@@ -173,6 +185,7 @@ class IdentifierCore:
             self.estimator.interrupt(~full)
             self._residual.clear(~full)
             self._input.clear(~full)
+            self._model_error.clear(~full)
         y = np.where(finite, upper - self._bias, 0.0)
         active = full & finite & self._excited(voltage) & (phase in self._phases)
         error = self.estimator.update(w, y, active)
@@ -180,6 +193,7 @@ class IdentifierCore:
         used = self.estimator.used
         if used.any():
             self._input.push(w[..., self.parameters.poles], used)
+            self._model_error.push(y, w[..., self.parameters.poles], used)
             self._residual.push(np.where(used, error, 0.0), used)
         self._last = self._report(k, np.where(used, error, np.nan), bool(used.any()))
         return self._last
@@ -191,6 +205,7 @@ class IdentifierCore:
         self.calibration.reset()
         self._input.clear()
         self._residual.clear()
+        self._model_error.clear()
         self._begin()
 
     def _calibrate(self, phase: Phase, upper: Array) -> None:
@@ -233,6 +248,7 @@ class IdentifierCore:
             information_eigenvalue=v.information_eigenvalue,
             information_condition=v.information_condition,
             response_deviation=v.response_deviation,
+            model_error=v.model_error,
             whiteness=v.whiteness,
             pole_modulus=v.pole_modulus,
             converged=v.converged,
@@ -249,5 +265,6 @@ class IdentifierCore:
             self._input.excitation_order(2 * p.count),
             information_measures(self.estimator.U, self.estimator.d),
             self._response(theta, covariance),
+            self._model_error(theta),
             self._residual.whiteness(p.whiteness_lags),
         )

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pairs the acceleration of sample k with the voltage of sample k - delay, by `sequence`.
 
-The two come on topics of their own, so either may be ahead of the other. In lockstep a sample waits for its voltage. In
-real time the voltage has until the next sample. A voltage that has been passed over by a newer one will not come any
-more: NaN, not known. Before sample 0 the voltage is known to be 0.
+The two come on topics of their own, so either may be ahead of the other. In lockstep a sample waits for its voltage.
+In real time the voltage has until the next sample. A voltage that has been passed over by a newer one will not come
+any more: NaN, not known. Before sample 0 the voltage is known to be 0.
 """
 
 import math

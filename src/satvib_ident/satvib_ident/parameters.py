@@ -67,26 +67,33 @@ class IdentifierParameters(LoopParameters):
         read_only=True,
     )
     regressor_floor: float = param(
-        0.0, 'directional: a regressor shorter than this is left out (m/s^2 and V mixed)',
+        0.0, 'directional: RMS of the regressor (m/s^2 and V mixed) up to which a direction is not forgotten',
         minimum=0.0, read_only=True,
     )  # fmt: skip
     short_window: int = param(
-        20, 'variable_rate: the recent errors', unit='samples', minimum=1, maximum=100000,
+        20, 'variable_rate and directional: the recent errors', unit='samples', minimum=1, maximum=100000,
         read_only=True,
     )  # fmt: skip
     long_window: int = param(
-        100, 'variable_rate: the errors before those', unit='samples', minimum=1, maximum=100000,
+        100, 'variable_rate and directional: the errors before those', unit='samples', minimum=1, maximum=100000,
         read_only=True,
     )  # fmt: skip
     confidence: float = param(
-        0.999, 'variable_rate: probability to forget nothing while nothing changes', above=0.0,
+        0.999, 'variable_rate and directional: probability to forget nothing while nothing changes', above=0.0,
         below=1.0, read_only=True,
     )  # fmt: skip
     forgetting_rate: float = param(
-        1.0, 'variable_rate: eta, how fast to forget after a change', minimum=0.0, read_only=True
+        1.0,
+        'variable_rate and directional: eta, how fast to forget after a change',
+        minimum=0.0,
+        read_only=True,
     )
+    forgetting_smallest: float = param(
+        0.5, 'variable_rate and directional: smallest lambda after a change', above=0.0, maximum=1.0,
+        read_only=True,
+    )  # fmt: skip
     error_floor: float = param(
-        1e-6, 'variable_rate: errors below this count as this', unit='m/s^2', above=0.0,
+        1e-6, 'variable_rate and directional: errors below this count as this', unit='m/s^2', above=0.0,
         read_only=True,
     )  # fmt: skip
     reset_threshold: float = param(
@@ -129,6 +136,10 @@ class IdentifierParameters(LoopParameters):
         maximum=100000, read_only=True,
     )  # fmt: skip
     whiteness_lags: int = param(10, 'lags of the whiteness test, h', minimum=1, read_only=True)
+    error_lags: int = param(
+        20, 'length of the filter that looks for the input in the residual', unit='samples', minimum=1,
+        maximum=1000, read_only=True,
+    )  # fmt: skip
     trust_samples: int = param(10, 'samples per parameter that a trusted model needs', minimum=1)
     trust_pole_modulus: float = param(
         1.0, 'poles of a trusted model lie inside this circle', above=0.0
@@ -143,6 +154,10 @@ class IdentifierParameters(LoopParameters):
     trust_deviation: float = param(
         0.25, 'relative deviation of that response that a trusted model stays below', above=0.0
     )
+    trust_error: float = param(
+        0.3, 'relative error of that response, as the residual tells, that a trusted model stays below',
+        above=0.0,
+    )  # fmt: skip
     trust_whiteness: float = param(
         0.0, 'Ljung-Box statistic over its lags that a trusted model stays below; 0: not asked for',
         minimum=0.0,

@@ -10,7 +10,9 @@ The checks, in the order in which they are named:
 4. the input was persistently exciting of the order n + m, at the last sample that was used;
 5. the information matrix is regular (condition below `trust_condition`);
 6. the frequency response is known in `trust_band` (relative deviation below `trust_deviation`);
-7. the residual is white (Q / h below `trust_whiteness`), if asked for.
+7. what the residual has in common with the input says that the response is right in that band (relative error below
+   `trust_error`);
+8. the residual is white (Q / h below `trust_whiteness`), if asked for.
 """
 
 from dataclasses import dataclass
@@ -36,6 +38,7 @@ class Verdict:
     information_eigenvalue: Array
     information_condition: Array
     response_deviation: Array
+    model_error: Array
     whiteness: Array
     failed: NDArray[np.int64]
 
@@ -68,6 +71,13 @@ class Verdict:
                     f'between {low:g} and {high:g} Hz, {100.0 * p.trust_deviation:g} % allowed'
                 )
             case 7:
+                low, high = p.trust_band
+                return (
+                    f'the residual still answers to the input: response off by '
+                    f'{100.0 * self.model_error[index]:.0f} % between {low:g} and {high:g} Hz, '
+                    f'{100.0 * p.trust_error:g} % allowed'
+                )
+            case 8:
                 return f'residual not white: Q/h {self.whiteness[index]:.1f}'
             case _:
                 return ''
@@ -89,6 +99,7 @@ def judge(
     excitation_order: Array,
     information: tuple[Array, Array],
     response_deviation: Array,
+    model_error: Array,
     whiteness: Array,
 ) -> Verdict:
     """Run the checks on arrays of one shape (theta: (*shape, p))."""
@@ -99,7 +110,8 @@ def judge(
     # also fails what is not a number
     failed = np.zeros(updates.shape, dtype=np.int64)
     if p.trust_whiteness > 0.0:
-        failed = np.where(whiteness > p.trust_whiteness, 7, failed)
+        failed = np.where(whiteness > p.trust_whiteness, 8, failed)
+    failed = np.where(~(model_error < p.trust_error), 7, failed)
     failed = np.where(~(response_deviation < p.trust_deviation), 6, failed)
     failed = np.where(~(condition < p.trust_condition), 5, failed)
     failed = np.where(excitation_order < p.count, 4, failed)
@@ -108,5 +120,5 @@ def judge(
     failed = np.where(updates < p.trust_samples * p.count, 1, failed)
     return Verdict(
         p, updates, finite, pole_modulus, excitation_order, eigenvalue, condition,
-        response_deviation, whiteness, np.asarray(failed),
+        response_deviation, model_error, whiteness, np.asarray(failed),
     )  # fmt: skip

@@ -126,45 +126,70 @@ def measure(w, error, forgetting, limit, active, theta, U, d, gain, alpha):  # t
 
 
 @kernel(
-    'void(f8[:], f8, f8, b1, f8[:,:], f8[:], f8[:])',
-    '(p),(),(),(),(p,p),(p)->(p)',
+    'void(f8[:,:], f8, f8, b1, f8[:,:], f8[:], f8[:,:])',
+    '(r,p),(),(),(),(p,p),(p)->(r,p)',
     writable=('U', 'd'),
 )
-def forget_along(w, forgetting, limit, active, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """Forget along one direction only: P <- P + (1/lambda - 1) w w^T / (w^T P^-1 w), in place.
+def forget_within(directions, forgetting, limit, active, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Forget in a subspace only: P <- P + (1/lambda - 1) V (V^T P^-1 V)^-1 V^T, in place.
 
-    The information w^T P^-1 w falls to lambda times itself; that of every direction that P^-1 holds orthogonal to w
-    stays.
+    The directions are made orthogonal in the sense of P^-1 one after the other (modified Gram-Schmidt on U^-1 v), so
+    each adds (1/lambda - 1) v v^T / (v^T P^-1 v). Information in the subspace falls to lambda times itself; what
+    P^-1 holds orthogonal to it stays. If the directions span everything this is exponential forgetting.
 
     Args:
-        w: (p) direction.
+        directions: (r, p) rows v; a row of zeros is none.
         forgetting: () lambda in (0, 1].
         limit: () largest trace of P; nothing is forgotten beyond it.
-        active: () bool; nothing changes where it is false, nor where w is 0.
+        active: () bool; nothing changes where it is false.
         U: (p, p) unit upper triangular factor, changed.
         d: (p) diagonal factor, changed.
-        work: (p) out, of no use.
+        work: (r, p) out, of no use.
     """
-    p = d.shape[0]
-    for j in range(p):
-        work[j] = w[j]
+    rows, p = directions.shape
+    for r in range(rows):
+        for j in range(p):
+            work[r, j] = 0.0
     if not active or not forgetting < 1.0:
         return
-    information = 0.0
-    length = 0.0
-    for j in range(p - 1, -1, -1):
-        for i in range(j):
-            work[i] -= work[j] * U[i, j]
-        information += work[j] * work[j] / d[j]
-        length += w[j] * w[j]
-    if not 0.0 < information < 1e280 or not length < 1e280:
+    grown = _trace(U, d)
+    for r in range(rows):  # work[r] = D^-1/2 U^-1 v, made orthonormal
+        for j in range(p):
+            work[r, j] = directions[r, j]
+        before = 0.0
+        for j in range(p - 1, -1, -1):
+            for i in range(j):
+                work[r, i] -= work[r, j] * U[i, j]
+            work[r, j] /= np.sqrt(d[j])
+            before += work[r, j] * work[r, j]
+        if not 0.0 < before < 1e280:
+            before = 0.0
+        for _ in range(2):
+            for q in range(r):
+                share = 0.0
+                for j in range(p):
+                    share += work[r, j] * work[q, j]
+                for j in range(p):
+                    work[r, j] -= share * work[q, j]
+        after = 0.0
+        for j in range(p):
+            after += work[r, j] * work[r, j]
+        good = before > 0.0 and after > 1e-20 * before
+        for j in range(p):
+            work[r, j] = work[r, j] / np.sqrt(after) if good else 0.0
+    for r in range(rows):  # back to U D^1/2 x: the columns to add
+        for j in range(p):
+            work[r, j] *= np.sqrt(d[j])
+        for i in range(p):
+            total = work[r, i]
+            for j in range(i + 1, p):
+                total += U[i, j] * work[r, j]
+            work[r, i] = total
+            grown += (1.0 / forgetting - 1.0) * total * total
+    if not grown < limit:
         return
-    c = (1.0 / forgetting - 1.0) / information
-    if _trace(U, d) + c * length > limit:
-        return
-    for j in range(p):
-        work[j] = w[j]
-    _add(c, U, d, work)
+    for r in range(rows):
+        _add(1.0 / forgetting - 1.0, U, d, work[r])
 
 
 @njit
