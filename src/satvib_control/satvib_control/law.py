@@ -36,6 +36,7 @@ LAWS = {
     'velocity_feedback': 'satvib_control.velocity_feedback:VelocityFeedback',
     'model_reference': 'satvib_control.model_reference:ModelReference',
     'narrowband': 'satvib_control.narrowband:Narrowband',
+    'feedforward': 'satvib_control.feedforward:Feedforward',
 }
 
 

@@ -267,6 +267,67 @@ class ControllerParameters(LoopParameters):
         read_only=True,
     )
 
+    # feedforward
+    feedforward_method: str = param(
+        'fxrls',
+        'fxrls: filtered-x least squares; fxlms: filtered-x LMS, cheaper and slower; filtered_u: '
+        'least squares with poles of its own',
+        choices=('fxrls', 'fxlms', 'filtered_u'),
+        read_only=True,
+    )
+    feedforward_taps: int = param(
+        16, 'samples of the reference in the filter', minimum=1, maximum=512, read_only=True
+    )
+    feedforward_motion: bool = param(
+        True,
+        'velocity and displacement of the lower plate beside the taps; they stand for hundreds',
+        read_only=True,
+    )
+    feedforward_motion_corner: float = param(
+        0.5,
+        'corner of the drift-free integrators that make them',
+        unit='Hz',
+        above=0.0,
+        read_only=True,
+    )
+    feedforward_poles: int = param(
+        2, 'own past voltages in the filter of filtered_u', minimum=1, maximum=32, read_only=True
+    )
+    feedforward_step: float = param(
+        0.1, 'step mu of fxlms; unstable from 2 on, slower below 1', above=0.0, below=2.0
+    )
+    feedforward_memory: float = param(
+        2.0,
+        'time constant of the forgetting of fxrls and filtered_u; at least some times the '
+        'duration of the filter',
+        unit='s',
+        above=0.0,
+    )
+    feedforward_leak: float = param(
+        1e-3,
+        'leak of the weights, as a share of the mean power of the filtered reference; it bounds '
+        'the gain where the reference has no power',
+        above=0.0,
+        maximum=1.0,
+    )
+    feedforward_floor: float = param(
+        0.01,
+        'RMS of the reference below which nothing is learnt',
+        unit='m/s^2',
+        minimum=0.0,
+    )
+    feedforward_weight_limit: float = param(
+        100.0, 'largest 2-norm of the weights', unit='V/(m/s^2)', above=0.0
+    )
+    feedforward_protection_taps: int = param(
+        16,
+        "samples of the response of the lower sensor to the strut's own voltage that are learnt "
+        'in IDENTIFY and taken off the reference; 0: no protection',
+        minimum=0,
+        maximum=512,
+        read_only=True,
+    )
+
     def check(self) -> None:
         """Check what no single field can tell."""
         from satvib_control.law import law_class
@@ -291,6 +352,7 @@ class ControllerParameters(LoopParameters):
             'reference_frequencies',
             'reference_frequency',
             'velocity_corner',
+            'feedforward_motion_corner',
         ):
             value = getattr(self, name)
             for frequency in value if isinstance(value, tuple) else (value,):
