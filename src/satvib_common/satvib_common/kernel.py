@@ -28,7 +28,8 @@ Kernel = Callable[..., Any]
 @contextmanager
 def _alone(source: str) -> Iterator[None]:
     """Hold the lock of a source file; without a place for locks, go on without one."""
-    name = hashlib.sha256(source.encode()).hexdigest()[:16]
+    # a workspace built with links imports one file by several paths, and its cache is one
+    name = hashlib.sha256(os.path.realpath(source).encode()).hexdigest()[:16]
     path = Path(tempfile.gettempdir()) / f'satvib-kernel-{os.getuid()}-{name}.lock'
     try:
         handle = path.open('a')

@@ -15,7 +15,7 @@ from satvib_common import kernel as module
 
 def test_a_kernel_is_compiled_under_the_lock_of_its_file(monkeypatch):
     """Truth: a second handle on the lock file is refused while guvectorize runs, and granted afterwards."""
-    source = hashlib.sha256(__file__.encode()).hexdigest()[:16]
+    source = hashlib.sha256(os.path.realpath(__file__).encode()).hexdigest()[:16]
     path = Path(tempfile.gettempdir()) / f'satvib-kernel-{os.getuid()}-{source}.lock'
     seen = []
 
@@ -48,3 +48,17 @@ def test_without_a_place_for_locks_a_kernel_is_compiled_all_the_same(monkeypatch
         y[0] = 2.0 * x
 
     assert float(twice(1.5)) == 3.0
+
+
+def test_one_file_has_one_lock_by_whatever_path_it_is_imported(monkeypatch, tmp_path):
+    """Truth: the lock's name through a link equals that of the file itself (a workspace built with links has both)."""
+    real = tmp_path / 'real'
+    real.mkdir()
+    (tmp_path / 'link').symlink_to(real)
+    opened = []
+    monkeypatch.setattr(Path, 'open', lambda self, mode: opened.append(self.name) or self._raise())
+    monkeypatch.setattr(Path, '_raise', lambda _: (_ for _ in ()).throw(OSError), raising=False)
+    for folder in ('real', 'link'):
+        with module._alone(str(tmp_path / folder / 'x.py')):
+            pass
+    assert opened[0] == opened[1]
