@@ -283,9 +283,16 @@ class Serial(BackEnd):
             return []
         except OSError as error:
             raise BackEndError(f'{self.path}: the line is gone: {error.strerror}') from None
-        if not data:
+        if not data and self._hung_up():
             raise BackEndError(f'{self.path}: the line is gone: unplugged')
         return [m for m in map(parse, self._reader.feed(data)) if m is not None]
+
+    def _hung_up(self) -> bool:
+        """Whether nothing to read means that nobody is there; a terminal may say it either way."""
+        poller = select.poll()
+        poller.register(self.fileno(), select.POLLIN)
+        gone = select.POLLHUP | select.POLLERR | select.POLLNVAL
+        return any(events & gone for _, events in poller.poll(0))
 
     def _flush(self) -> None:
         """Write what the line takes now."""
