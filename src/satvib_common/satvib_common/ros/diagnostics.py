@@ -22,15 +22,23 @@ class Diagnostics:
         )
         self._message = DiagnosticArray(status=[self._status])
 
-    def publish(self, active: bool, complaint: str, figures: dict[str, Any]) -> None:
-        """Say how it is: OK, WARN with a complaint, or STALE while inactive."""
+    def publish(
+        self,
+        active: bool,
+        complaint: str,
+        figures: dict[str, Any],
+        well: str = 'all is well',
+        failed: bool = False,
+    ) -> None:
+        """Say how it is: OK, WARN with a complaint (ERROR when `failed`), or STALE while inactive."""
         status = self._status
         if not active:
             status.level, status.message = DiagnosticStatus.STALE, 'not active'
         elif complaint:
-            status.level, status.message = DiagnosticStatus.WARN, complaint
+            level = DiagnosticStatus.ERROR if failed else DiagnosticStatus.WARN
+            status.level, status.message = level, complaint
         else:
-            status.level, status.message = DiagnosticStatus.OK, 'all is well'
+            status.level, status.message = DiagnosticStatus.OK, well
         status.values = [
             KeyValue(key=key, value=f'{value:g}' if isinstance(value, float) else str(value))
             for key, value in figures.items()

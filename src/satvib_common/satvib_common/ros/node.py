@@ -297,7 +297,12 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
     def _on_trigger(self, what: str) -> Callable[[Any, Any], Any]:
         def answer(_: Any, response: Any) -> Any:
             response.success = self.active
-            response.message = getattr(self, what)() if self.active else 'the node is not active'
+            try:
+                response.message = (
+                    getattr(self, what)() if self.active else 'the node is not active'
+                )
+            except SatvibError as error:
+                response.success, response.message = False, str(error)
             self.get_logger().info(f'{what}: {response.message}')
             return response
 
