@@ -14,6 +14,7 @@ CAPTION = (
     'of the zero line the payload is quieter than without control, right of it louder. The tick is '
     'the figure to compare with; the dotted line is the floor that sensor noise sets for the samples.'
 )
+_PLATE = {'facecolor': 'white', 'edgecolor': 'none', 'pad': 0.6}
 _ROWS = {'rms': 'RMS', 'tone': 'tone'}
 
 
@@ -34,7 +35,7 @@ def draw(context: Context, path: Path) -> bool:
                 value = e.attenuation[f'{source}_{kind}']
                 bars = ax.barh(rows + offset, value, 0.3, color=color, label=source)
                 known = [f'{v:+.1f}' if np.isfinite(v) else '' for v in value]
-                ax.bar_label(bars, known, padding=3, fontsize=8, color=INK)
+                ax.bar_label(bars, known, padding=3, fontsize=8, color=INK, bbox=_PLATE, zorder=9)
             if len(e.reference) == count and kind == 'tone':
                 ax.plot(e.reference, rows, '|', ms=24, mew=2.2, color=INK, label=e.reference_source)
             floor = e.floor[f'measured_{kind}']

@@ -11,6 +11,7 @@ from satvib_bringup.report import (
     gains_figure,
     model_figure,
     parameters_figure,
+    response_figure,
     spectra_figure,
     voltage_figure,
 )
@@ -23,6 +24,7 @@ FIGURES = (
     ('spectra', 'Spectra', spectra_figure),
     ('parameters', 'Identified parameters', parameters_figure),
     ('model', 'Plant output and model output', model_figure),
+    ('response', 'Models against the rig', response_figure),
     ('gains', 'Gains', gains_figure),
     ('voltage', 'Voltages', voltage_figure),
 )

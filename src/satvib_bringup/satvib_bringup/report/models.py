@@ -86,6 +86,7 @@ def model_summary(context: Context, strut: int) -> dict[str, Any] | None:
         'damping': damping,
         'converged': bool(recording.get('model', 'converged')[row, strut]),
         'reason': str(recording.get('model', 'reason')[row, strut]),
+        'response_errors': response_errors(context, strut),
         'fit_one_step': float('nan'),
         'fit_free_run': float('nan'),
     }
@@ -95,3 +96,34 @@ def model_summary(context: Context, strut: int) -> dict[str, Any] | None:
         summary['fit_one_step'] = fit(measured, np.asarray(model.predict(measured, voltage)))
         summary['fit_free_run'] = fit(measured, np.asarray(model.simulate(voltage)))
     return summary
+
+
+def true_response(context: Context, strut: int, frequency: Array) -> NDArray[np.complex128]:
+    """Exact sampled response of the simulated rig from a strut's voltage to its measured acceleration.
+
+    Args:
+        context: a run whose rig is known.
+        strut: index.
+        frequency: (f,) Hz.
+    """
+    from satvib_plant_sim.sampled import discrete_strut_model
+
+    assert context.recording.rig is not None
+    return discrete_strut_model(context.recording.rig, strut).response(frequency)
+
+
+def response_errors(context: Context, strut: int) -> list[dict[str, float]]:
+    """How far a strut's model is from the rig at each tone: phase in degrees, magnitude in dB."""
+    model, tones = final_model(context, strut), np.array(context.evaluation.frequencies)
+    if model is None or context.recording.rig is None or not len(tones):
+        return []
+    ratio = model.frequency_response(tones) / true_response(context, strut, tones)
+    return [
+        {'frequency': float(f), 'phase': float(np.degrees(np.angle(r))), 'magnitude': decibels(r)}
+        for f, r in zip(tones, ratio, strict=True)
+    ]
+
+
+def decibels(ratio: complex) -> float:
+    """Magnitude of a ratio in dB; NaN for nothing."""
+    return float(20.0 * np.log10(abs(ratio))) if abs(ratio) > 0.0 else float('nan')
