@@ -50,15 +50,20 @@ def test_without_a_place_for_locks_a_kernel_is_compiled_all_the_same(monkeypatch
     assert float(twice(1.5)) == 3.0
 
 
-def test_one_file_has_one_lock_by_whatever_path_it_is_imported(monkeypatch, tmp_path):
-    """Truth: the lock's name through a link equals that of the file itself (a workspace built with links has both)."""
-    real = tmp_path / 'real'
-    real.mkdir()
-    (tmp_path / 'link').symlink_to(real)
-    opened = []
-    monkeypatch.setattr(Path, 'open', lambda self, mode: opened.append(self.name) or self._raise())
-    monkeypatch.setattr(Path, '_raise', lambda _: (_ for _ in ()).throw(OSError), raising=False)
+def test_one_file_has_one_lock_by_whatever_path_it_is_imported(tmp_path):
+    """Truth: with the lock held through the file, a handle on the lock's name through a link is refused.
+
+    A workspace built with links imports one file by two paths, and has one cache for both.
+    """
+    (tmp_path / 'real').mkdir()
+    (tmp_path / 'link').symlink_to(tmp_path / 'real')
+    real = os.path.realpath(tmp_path / 'link' / 'x.py')
+    name = hashlib.sha256(real.encode()).hexdigest()[:16]
+    path = Path(tempfile.gettempdir()) / f'satvib-kernel-{os.getuid()}-{name}.lock'
     for folder in ('real', 'link'):
-        with module._alone(str(tmp_path / folder / 'x.py')):
-            pass
-    assert opened[0] == opened[1]
+        with (
+            module._alone(str(tmp_path / folder / 'x.py')),
+            path.open('a') as handle,
+            pytest.raises(BlockingIOError),
+        ):
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
