@@ -146,6 +146,11 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         timer = self.create_timer(period, self.guarded_call(call), clock=self._steady)
         self._timers_made.append(timer)
 
+    def offer(self, what: str) -> None:
+        """Offer ~/`what` as a Trigger that calls the method of that name while the node is configured."""
+        made = self.create_service(Trigger, f'~/{what}', self._on_trigger(what))
+        self._services_made.append(made)
+
     def guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
         """Turn the errors that people see into the end of the process."""
 
@@ -265,10 +270,8 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
     def _configure(self) -> None:
         self.make()
         self.configured = True
-        self._services_made = [
-            self.create_service(Trigger, '~/stop', self._on_trigger('stop')),
-            self.create_service(Trigger, '~/reset', self._on_trigger('reset')),
-        ]
+        self.offer('stop')
+        self.offer('reset')
         self._diagnostics = Diagnostics(self)
         self.every(1.0, self._report)
 
