@@ -20,5 +20,10 @@ setup(
     description='The loop on real hardware: channels, calibration, output guard, back ends',
     license='Apache-2.0',
     extras_require={'test': ['pytest'], 'nidaqmx': ['nidaqmx[grpc]'], 'iio': ['pylibiio<1']},
-    entry_points={'console_scripts': []},
+    entry_points={
+        'console_scripts': [
+            f'daq_bridge = {NAME}.daq_bridge_node:main',
+            f'daq_emulator = {NAME}.emulator:main',
+        ]
+    },
 )

@@ -49,9 +49,11 @@ class Bridge:
         channels, parameters: checked.
         send: takes messages for the guardian (`line`).
         told: called with each change of state.
+        latched: the fault that a bridge before this one has latched.
 
     Attributes:
         running: samples are published and counted.
+        published: the last sample that was.
         over: the plan is done, or the record that is played.
     """
 
@@ -61,6 +63,7 @@ class Bridge:
         parameters: BridgeParameters,
         send: Callable[[bytes], object],
         told: Callable[[Transition], None] = lambda _: None,
+        latched: Transition | None = None,
     ) -> None:
         self.channels, self.parameters = channels, parameters
         self._send, self._told = send, told
@@ -68,7 +71,7 @@ class Bridge:
         self.sensors = Sensors(channels.inputs, parameters.sample_rate, parameters.railed_samples)
         self.bias = SensorBias(channels.inputs, parameters.sample_rate, parameters.calibration_time)
         self.timing = Timing(parameters.period)
-        self.states = StateMachine(self._changed)
+        self.states = StateMachine(self._changed, latched)
         self.virtual = False
         self.running = False
         self.over = ''
@@ -78,7 +81,7 @@ class Bridge:
         self._silent_since = math.inf
         self._sequence = -1
         self._base = 0
-        self._published = -1
+        self.published = -1
         self._end = -1  # of the plan; -1: there is none yet, 0: without end
         self._held = False
         self._answered = np.full(len(self.struts), -1)
@@ -155,7 +158,7 @@ class Bridge:
     def command(self, strut: int, sequence: int, voltage: float) -> None:
         """Take a controller's voltage (V at the coil) for a published sample."""
         taken = sequence + self._base
-        if not self.running or taken < 0 or not self._answered[strut] < sequence <= self._published:
+        if not self.running or taken < 0 or not self._answered[strut] < sequence <= self.published:
             self.refused += 1
             return
         if not math.isfinite(voltage):
@@ -195,6 +198,19 @@ class Bridge:
                 f'no sample for {silence * 1e3:.0f} ms: the device or its line stalls'
             )
 
+    def diagnose(self) -> dict[str, object]:
+        """Give state, counts, times, bias, and the guardian's figures."""
+        counts = {
+            'state': self.states.state.name,
+            'reason': self.states.reason,
+            'sequence': self.published,
+            'samples lost': self.lost,
+            'answers refused': self.refused,
+        }
+        biases = self.bias.to_mapping() if self.bias.learnt else {}
+        learnt = {f'{name} bias': value['bias'] for name, value in biases.items()}
+        return counts | self.timing.figures() | self.figures | learnt
+
     def guardian_died(self, how: str) -> None:
         """Hear that the process that owns the outputs is gone."""
         self._silent_since = math.inf
@@ -216,7 +232,7 @@ class Bridge:
             self.over = f'{self._end} samples of {len(self.struts)} struts; {self.lost} lost'
             self.states.stop('the schedule is over')
             return None
-        self._published = sequence
+        self.published = sequence
         corrected = self.bias.correct(acceleration)
         lower = np.append(corrected, math.nan)[self._lower]
         return Published(sequence, taken.time, corrected[: len(self.struts)], lower)
@@ -261,7 +277,7 @@ class Bridge:
         return True
 
     def _try_to_activate(self) -> None:
-        fresh = self._published - math.floor(self.parameters.max_age * self.parameters.sample_rate)
+        fresh = self.published - math.floor(self.parameters.max_age * self.parameters.sample_rate)
         oldest = int(self._answered.min())
         if self.states.state is State.ARMED and oldest >= 0 and oldest >= fresh:
             self.states.activate()

@@ -51,12 +51,11 @@ class GuardianProcess:
         return 'closed its line'
 
     def stop(self) -> None:
-        """Let it go to 0 V and end; one that does not is killed and its outputs are zeroed by another."""
-        if not self.line.closed:
-            self.line.send(bytes([line.QUIT]))
-        try:
+        """Let it go to 0 V and end; when it did not end well, another one zeroes the outputs."""
+        self.line.send(bytes([line.QUIT]))
+        with contextlib.suppress(subprocess.TimeoutExpired):
             self.popen.wait(_END)
-        except subprocess.TimeoutExpired:
+        if self.popen.returncode != 0:
             self.zero_outputs()
         self.line.close()
 

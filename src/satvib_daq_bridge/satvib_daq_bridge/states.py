@@ -50,19 +50,24 @@ class StateMachine:
 
     Args:
         changed: called with each transition.
+        latched: what a machine before this one has latched.
     """
 
-    def __init__(self, changed: Callable[[Transition], None] = lambda _: None) -> None:
+    def __init__(
+        self,
+        changed: Callable[[Transition], None] = lambda _: None,
+        latched: Transition | None = None,
+    ) -> None:
         self._changed = changed
-        self._latched: Transition | None = None
+        self.latched = latched
         self.state = State.UNCONFIGURED
         self.reason = 'not configured yet'
 
     def configure(self, reason: str = 'configured') -> None:
         """UNCONFIGURED -> IDLE, or back to the fault that is latched."""
         self._from('configure', State.UNCONFIGURED)
-        if self._latched:
-            self._go(self._latched.after, f'still latched: {self._latched.reason}')
+        if self.latched:
+            self._go(self.latched.after, f'still latched: {self.latched.reason}')
         else:
             self._go(State.IDLE, reason)
 
@@ -99,11 +104,11 @@ class StateMachine:
     def reset(self, reason: str = 'reset') -> None:
         """FAULT, ESTOP -> IDLE."""
         self._from('reset', *_LATCHED)
-        self._latched = None
+        self.latched = None
         self._go(State.IDLE, reason)
 
     def _latch(self, state: State, reason: str) -> None:
-        self._latched = Transition(self.state, state, reason)
+        self.latched = Transition(self.state, state, reason)
         self._go(state, reason)
 
     def _from(self, what: str, *allowed: State) -> None:

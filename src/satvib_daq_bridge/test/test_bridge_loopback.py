@@ -201,9 +201,9 @@ def test_a_voltage_that_is_no_number_is_a_fault_that_names_it(bad):
     loop = Loop()
     loop.begin()
     loop.run(10, tones)
-    loop.bridge.command(1, loop.bridge._published, 1.0)
+    loop.bridge.command(1, loop.bridge.published, 1.0)
     loop.pump()
-    loop.bridge.command(1, loop.bridge._published, bad)
+    loop.bridge.command(1, loop.bridge.published, bad)
     assert loop.bridge.states.state is State.FAULT
     assert loop.bridge.states.reason.startswith('strut_2: the voltage of sample 10 is')
     loop.pump()
