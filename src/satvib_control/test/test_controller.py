@@ -189,6 +189,27 @@ def test_a_model_that_cannot_be_used_is_refused_by_name(settings, model, trusted
     assert out.reason_text() == told
 
 
+def test_a_model_that_is_not_new_is_not_designed_for_again(settings):
+    """Truth: what the law is told: nothing in IDENTIFY, then each new model once, and for the struts it is new for."""
+
+    class Listener(Spy):
+        def set_model(self, model, trusted, covariance=None):  # noqa: ARG002
+            self.told.append(trusted.tolist())
+
+        def step(self, x, phase):  # noqa: ARG002
+            return np.zeros(self.shape)
+
+    core = core_with(settings, Listener, shape=(2,))
+    plan = PhasePlan((Phase.IDENTIFY, Phase.CONTROL), (0, 10), 100)
+    first = IirModel([[0.5], [0.4]], [[1.0], [1.0]], 1, 0.01)
+    second = IirModel([[0.5], [0.3]], [[1.0], [1.0]], 1, 0.01)
+    for k in range(60):
+        if k % 10 == 0:
+            core.set_model(first if k < 40 else second, [True, k > 20])
+        core.step(k, plan, np.zeros(2), np.zeros(2))
+    assert core.law.told == [[True, False], [False, True], [False, True]]
+
+
 def test_the_whole_paper_sequence_has_the_same_bits_in_any_batch(
     make_isolator, make_loop, settings, paper_plan
 ):
