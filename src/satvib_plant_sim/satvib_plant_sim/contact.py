@@ -19,7 +19,7 @@ SWEEPS = 8
 BISECTIONS = 60
 
 
-@njit(cache=True)
+@njit
 def stop_force(s0, s1, limit, stiffness, damping_per_step):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Force (N) of both stops of a strut that goes from s0 to s1 (m) in one step."""
     total = 0.0
@@ -38,7 +38,7 @@ def stop_force(s0, s1, limit, stiffness, damping_per_step):  # type: ignore[no-u
     return total
 
 
-@njit(cache=True)
+@njit
 def solve_stops(x, free, compliance, strut, stiffness, damping_per_step, force):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Find the forces (n) that fit the strokes they lead to.
 

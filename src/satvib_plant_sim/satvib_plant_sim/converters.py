@@ -20,7 +20,7 @@ from satvib_common.kernel import kernel
 from satvib_plant_sim.rig import Rig
 
 
-@njit(cache=True)
+@njit
 def _converted(volts, full_scale, lsb):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """What a converter makes of a voltage: limited, and rounded to its codes (lsb 0: not)."""
     if lsb > 0.0:

@@ -17,7 +17,7 @@ from satvib_common.kernel import kernel
 # ruff: noqa: ANN001, ANN202 - compiled functions have the types of their arguments
 
 
-@njit(cache=True)
+@njit
 def _balance(a, scale):  # type: ignore[no-untyped-def]
     """Scale a by a diagonal of powers of two so that its rows and columns weigh alike; fill `scale`."""
     size = a.shape[0]
@@ -44,7 +44,7 @@ def _balance(a, scale):  # type: ignore[no-untyped-def]
                 a[j, i] *= factor
 
 
-@njit(cache=True)
+@njit
 def _product(a, b, c):  # type: ignore[no-untyped-def]
     """C = a b, without what is zero in a."""
     size = a.shape[0]

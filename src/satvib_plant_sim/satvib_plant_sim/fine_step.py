@@ -23,7 +23,7 @@ from satvib_plant_sim.discretize import INPUTS, LANES
 # ruff: noqa: ANN001, ANN201, ANN202 - compiled functions have the types of their arguments
 
 
-@njit(cache=True)
+@njit
 def any_step(step, chain, x, y):  # type: ignore[no-untyped-def]
     """Make one fine step from x to y: step^T x[:16], plus the sensor chains' own dynamics."""
     for r in range(step.shape[1]):
@@ -99,7 +99,7 @@ forces_1, forces_3 = _forces(1), _forces(3)
 record_1, record_3 = _record(1), _record(3)
 
 
-@njit(cache=True)
+@njit
 def add_rows(y, gains, amounts):  # type: ignore[no-untyped-def]
     """Add the sum over i of gains[i] amounts[i] to y."""
     for i in range(amounts.shape[0]):
@@ -107,7 +107,7 @@ def add_rows(y, gains, amounts):  # type: ignore[no-untyped-def]
             y[r] += gains[i, r] * amounts[i]
 
 
-@njit(cache=True)
+@njit
 def correct(x, y, strut, voltage, force, stop, pull, f):  # type: ignore[no-untyped-def]
     """Correct a step from x to y for coils at their peak force and struts at their stops.
 

@@ -13,7 +13,7 @@ strut i is `line[0, i] + t line[1, i]`.
 from numba import njit
 
 
-@njit(cache=True)
+@njit
 def begin_lines(ramp, n_fine, theta, line):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Fill `line` (2, n) from `ramp` (n, 4) at the start of a period."""
     for i in range(ramp.shape[0]):
@@ -28,7 +28,7 @@ def begin_lines(ramp, n_fine, theta, line):  # type: ignore[no-untyped-def]  # n
             line[0, i] = ramp[i, 0] - slope * (ramp[i, 2] + ramp[i, 3] * theta)
 
 
-@njit(cache=True)
+@njit
 def line_ends(ramp, n_fine, i):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Fine step in which the line of strut i ends; far away when it has none."""
     if ramp[i, 0] == ramp[i, 1]:
@@ -36,7 +36,7 @@ def line_ends(ramp, n_fine, i):  # type: ignore[no-untyped-def]  # noqa: ANN001,
     return ramp[i, 2] + n_fine
 
 
-@njit(cache=True)
+@njit
 def next_event(ramp, event, n_fine, after):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """First fine step later than `after` in which any strut's line ends or a command (`event`, (n, 2)) arrives."""
     first = 1e18
@@ -49,7 +49,7 @@ def next_event(ramp, event, n_fine, after):  # type: ignore[no-untyped-def]  # n
     return first
 
 
-@njit(cache=True)
+@njit
 def turn(ramp, line, event, command, linear, n_fine, theta, j, flag, change):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Apply what happens in fine step j, on the grid (flag 0) or at theta (flag 1).
 

@@ -4,17 +4,18 @@
 
 The chain is linear, so noise has states of its own and truth stays free of it. Between samples
 
-    x(k+1) = E x(k) + L xi(k),   E = exp(A T),   L L' = int_0^T exp(A r) b q b' exp(A' r) dr
+    x(k+1) = E x(k) + L xi(k),   E = exp(A T),   L L' = Q(T) = int_0^T exp(A r) b q b' exp(A' r) dr
 
-(Van Loan 1978, IEEE Trans. Automatic Control 23, 395), xi standard normal. The first state is drawn from the
-stationary covariance A P + P A' + b q b' = 0, so there is no start-up.
+with xi standard normal. Q comes from one matrix exponential (Van Loan 1978, IEEE Trans. Automatic Control 23, 395) for
+a T so short that its growing part exp(-A T) stays near one, then by doubling, Q(2t) = Q(t) + E(t) Q(t) E(t)', which
+only adds. The first state is drawn from the stationary covariance Q(infinity), so there is no start-up.
 """
 
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_continuous_lyapunov
+from scipy.linalg import cholesky
 
 from satvib_plant_sim.exponential import exponential
 from satvib_plant_sim.rig import Accelerometer, Acquisition, Rig
@@ -26,8 +27,7 @@ BLOCK = 128
 
 def noise_covariance(rig: Rig) -> Array:
     """Give the stationary covariance (c, c) of a chain's noise states; the last is the converter's input."""
-    A, b, _ = sensor_chain(rig.accelerometer, rig.acquisition)
-    return _stationary(A, b, noise_intensity(rig.accelerometer))
+    return _noise_model(rig.accelerometer, rig.acquisition)[3]
 
 
 def noise_floor(rig: Rig) -> float:
@@ -58,26 +58,30 @@ def _factor(covariance: Array) -> Array:
 
 def noise_model(rig: Rig) -> tuple[Array, Array, Array]:
     """Give E, L and the factor of the stationary covariance, each (c, c)."""
-    return _noise_model(rig.accelerometer, rig.acquisition)
+    return _noise_model(rig.accelerometer, rig.acquisition)[:3]
 
 
 @lru_cache(maxsize=256)
-def _noise_model(sensor: Accelerometer, acquisition: Acquisition) -> tuple[Array, Array, Array]:
+def _noise_model(
+    sensor: Accelerometer, acquisition: Acquisition
+) -> tuple[Array, Array, Array, Array]:
     """Do the work once for all rigs that measure alike."""
     A, b, _ = sensor_chain(sensor, acquisition)
     c = len(b)
-    q = noise_intensity(sensor)
+    doublings = max(int(np.ceil(np.log2(2.0 * acquisition.period * np.abs(A).max()))), 0)
     big = np.zeros((2 * c, 2 * c))
-    big[:c, :c], big[:c, c:], big[c:, c:] = -A, q * np.outer(b, b), A.T
-    F = exponential(big * acquisition.period)
+    big[:c, :c], big[c:, c:] = -A, A.T
+    big[:c, c:] = noise_intensity(sensor) * np.outer(b, b)
+    F = exponential(big * (acquisition.period * 0.5**doublings))
     E = F[c:, c:].T.copy()
     Q = E @ F[:c, c:]
-    return E, _factor(0.5 * (Q + Q.T)), _factor(_stationary(A, b, q))
-
-
-def _stationary(A: Array, b: Array, q: float) -> Array:
-    covariance: Array = solve_continuous_lyapunov(A, -q * np.outer(b, b))
-    return 0.5 * (covariance + covariance.T)
+    for _ in range(doublings):
+        E, Q = E @ E, Q + E @ Q @ E.T
+    step, forever = E, Q
+    while np.abs(step).max() > 1e-20:
+        step, forever = step @ step, forever + step @ forever @ step.T
+    forever = 0.5 * (forever + forever.T)
+    return E, _factor(0.5 * (Q + Q.T)), _factor(forever), forever
 
 
 class NormalSource:

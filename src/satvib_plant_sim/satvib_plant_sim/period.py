@@ -26,7 +26,7 @@ from satvib_plant_sim.hold import begin_lines, next_event, turn
 from satvib_plant_sim.stamp import stamp_of
 
 
-@njit(cache=True)
+@njit
 def _load_voltages(line, hold, step, slot):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Put what the voltages add per step (constant, and per step index) into two columns of `step`."""
     for r in range(step.shape[1]):

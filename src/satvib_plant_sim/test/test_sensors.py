@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from satvib_plant_sim.disturbance import make_disturbance
-from satvib_plant_sim.noise import noise_floor, quantum
+from satvib_plant_sim.noise import noise_floor, noise_model, quantum
 from satvib_plant_sim.plant import Plant
 from satvib_plant_sim.response import frequency_response
 from satvib_plant_sim.rig import load_rig
+from satvib_plant_sim.sensor_chain import noise_intensity, sensor_chain
 from scipy.integrate import quad
+from scipy.linalg import solve_continuous_lyapunov
 
 NONE = make_disturbance(None)
 G = 9.80665
@@ -79,6 +81,19 @@ def test_noise_has_the_covariance_of_its_spectrum(name):
         error = variance * np.sqrt(2.0 / (y.size / 3))
         assert abs(measured - theory(rig, lag)) < 4.0 * error
     assert abs(np.mean(y)) < 4.0 * np.sqrt(variance / (y.size / 3))
+
+
+@pytest.mark.parametrize('rate', [20.0, 100.0, 1000.0, 20e3])
+@pytest.mark.parametrize('name', ['paper_3dof', 'clean_3dof', 'soft_3dof'])
+def test_the_noise_model_is_stationary_at_any_rate(name, rate):
+    """Truth: E P E' + L L' = P with P from scipy's Lyapunov solver; 1e-9 of the largest entry."""
+    rig = load_rig(name, {'acquisition.sample_rate': rate})
+    A, b, _ = sensor_chain(rig.accelerometer, rig.acquisition)
+    P = solve_continuous_lyapunov(A, -noise_intensity(rig.accelerometer) * np.outer(b, b))
+    E, L, start = noise_model(rig)
+    close = 1e-9 * np.abs(P).max()
+    assert_allclose(E @ P @ E.T + L @ L.T, P, atol=close)
+    assert_allclose(start @ start.T, P, atol=close)
 
 
 def test_noise_is_stationary_from_the_first_sample():
