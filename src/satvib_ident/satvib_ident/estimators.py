@@ -1,7 +1,14 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Estimators and forgetting rules by the names that the parameters use."""
+"""Regressors, estimators and forgetting rules by the names that the parameters use."""
 
+import math
+
+from satvib_ident.continuous import (
+    ContinuousLeastSquares,
+    ContinuousRegressor,
+    GradientEstimator,
+)
 from satvib_ident.extended_least_squares import ExtendedLeastSquares
 from satvib_ident.forgetting import (
     CovarianceResetting,
@@ -16,6 +23,7 @@ from satvib_ident.forgetting import (
 from satvib_ident.instrumental_variable import InstrumentalVariable
 from satvib_ident.parameters import IdentifierParameters
 from satvib_ident.recursive_least_squares import RecursiveLeastSquares
+from satvib_ident.regressor import IirRegressor
 
 
 def make_forgetting(parameters: IdentifierParameters) -> Forgetting:
@@ -58,4 +66,20 @@ def make_estimator(
         return InstrumentalVariable(
             p.poles, p.coefficients, p.noise_coefficients, shape, rule, *prior
         )
+    if p.estimator == 'continuous_gradient':
+        return GradientEstimator(p.count, p.dt, shape, p.gain, start)
+    if p.estimator.startswith('continuous'):
+        normalization = p.normalization if p.estimator == 'continuous_normalized' else 0.0
+        return ContinuousLeastSquares(p.count, p.dt, shape, p.gain, normalization, rule, *prior)
     return RecursiveLeastSquares(p.count, shape, rule, *prior)
+
+
+def make_regressor(
+    parameters: IdentifierParameters, shape: tuple[int, ...]
+) -> IirRegressor | ContinuousRegressor:
+    """Make what turns samples into regressions, and estimates into models, for every item of `shape`."""
+    p = parameters
+    if p.estimator.startswith('continuous'):
+        unit = 1.0 / (2.0 * math.pi * p.filter_corner)
+        return ContinuousRegressor(p.poles, p.coefficients, p.filter_corner, p.dt, shape, unit)
+    return IirRegressor(p.poles, p.coefficients, p.delay, shape)

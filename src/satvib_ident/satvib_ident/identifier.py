@@ -15,14 +15,12 @@ from satvib_common.calibration import BiasCalibration
 from satvib_common.phases import Phase
 from satvib_common.sequence import Arrival, SequenceTracker
 
-from satvib_ident.eigenvalues import information_measures
-from satvib_ident.estimators import make_estimator
+from satvib_ident.estimators import make_estimator, make_regressor
 from satvib_ident.iir_model import IirModel
 from satvib_ident.measures import RecentSignal
 from satvib_ident.model_error import ModelError
 from satvib_ident.parameters import IdentifierParameters
 from satvib_ident.polynomials import pole_modulus
-from satvib_ident.regressor import IirRegressor
 from satvib_ident.response_deviation import ResponseDeviation
 from satvib_ident.trust import Verdict, judge
 
@@ -108,9 +106,7 @@ class IdentifierCore:
 
     def __init__(self, parameters: IdentifierParameters, shape: tuple[int, ...] = ()) -> None:
         self.parameters, self.shape = parameters, shape
-        self.regressor = IirRegressor(
-            parameters.poles, parameters.coefficients, parameters.delay, shape
-        )
+        self.regressor = make_regressor(parameters, shape)
         self.estimator = make_estimator(parameters, shape)
         self.calibration = BiasCalibration(shape)
         self.tracker = SequenceTracker()
@@ -180,20 +176,17 @@ class IdentifierCore:
         self._not_finite = self._not_finite + ~finite
         self._unknown = self._unknown + ~np.isfinite(voltage)
         self._calibrate(phase, upper)
-        w, full = self.regressor.form(voltage, self._bias)
+        w, target, full = self.regressor.step(upper, voltage, self._bias)
         if not full.all():
             self.estimator.interrupt(~full)
-            self._residual.clear(~full)
-            self._input.clear(~full)
-            self._model_error.clear(~full)
-        y = np.where(finite, upper - self._bias, 0.0)
-        active = full & finite & self._excited(voltage) & (phase in self._phases)
-        error = self.estimator.update(w, y, active)
-        self.regressor.take(np.where(finite, upper, np.nan))
+            for recent in (self._residual, self._input, self._model_error):
+                recent.clear(~full)
+        active = full & self._excited(voltage) & (phase in self._phases)
+        error = self.estimator.update(w, target, active)
         used = self.estimator.used
         if used.any():
-            self._input.push(w[..., self.parameters.poles], used)
-            self._model_error.push(y, w[..., self.parameters.poles], used)
+            self._input.push(voltage, used)
+            self._model_error.push(upper - self._bias, voltage, used)
             self._residual.push(np.where(used, error, 0.0), used)
         self._last = self._report(k, np.where(used, error, np.nan), bool(used.any()))
         return self._last
@@ -226,8 +219,7 @@ class IdentifierCore:
         p, estimator, last = self.parameters, self.estimator, self._last
         if last is not None and not changed:
             return replace(last, sequence=k, prediction_error=error, bias=self._bias)
-        theta = estimator.theta[..., : p.count].copy()
-        covariance = estimator.covariance[..., : p.count, : p.count]
+        theta, covariance = self.regressor.model(estimator.theta, estimator.covariance)
         if self._measured is None or k % p.measure_period == p.measure_period - 1:
             self._measured = self._measure(theta, covariance)
         v = self._measured
@@ -263,7 +255,7 @@ class IdentifierCore:
             theta,
             np.asarray(pole_modulus(theta[..., : p.poles])),
             self._input.excitation_order(2 * p.count),
-            information_measures(self.estimator.U, self.estimator.d),
+            self.estimator.information(),
             self._response(theta, covariance),
             self._model_error(theta),
             self._residual.whiteness(p.whiteness_lags),

@@ -9,7 +9,14 @@ from satvib_common.parameters import LoopParameters
 from satvib_common.phases import Phase
 from satvib_common.schema import param
 
-ESTIMATORS = ('least_squares', 'extended', 'instrumental')
+ESTIMATORS = (
+    'least_squares',
+    'extended',
+    'instrumental',
+    'continuous_gradient',
+    'continuous_least_squares',
+    'continuous_normalized',
+)
 FORGETTING = (
     'none',
     'exponential',
@@ -39,7 +46,8 @@ class IdentifierParameters(LoopParameters):
     estimator: str = param(
         'least_squares',
         'least_squares (Theorem 4.1), extended (with a model of the noise) or instrumental '
-        '(instrumental variable: free of bias from sensor noise)',
+        '(instrumental variable: free of bias from sensor noise); continuous_gradient, '
+        'continuous_least_squares (Eqs. 16, 17), continuous_normalized (Eq. 18)',
         choices=ESTIMATORS,
         read_only=True,
     )
@@ -47,6 +55,14 @@ class IdentifierParameters(LoopParameters):
         2, 'coefficients of the noise model, c (extended, instrumental)', minimum=1, maximum=20,
         read_only=True,
     )  # fmt: skip
+    filter_corner: float = param(
+        10.0, 'continuous_*: corner of the state-variable filters', unit='Hz', above=0.0,
+        read_only=True,
+    )  # fmt: skip
+    gain: float = param(1.0, 'continuous_*: gain g of Eq. (18)', above=0.0, read_only=True)
+    normalization: float = param(
+        1.0, 'continuous_normalized: mu of Eq. (18)', minimum=0.0, read_only=True
+    )
     initial_covariance: float = param(
         1e18, 'diagonal of P(0) per unit of noise variance; large: the data alone decide', above=0.0,
         maximum=1e30, read_only=True,
@@ -190,6 +206,22 @@ class IdentifierParameters(LoopParameters):
             raise SatvibError(
                 f'forgetting: {self.forgetting} does not go with estimator instrumental; one of '
                 f'{", ".join(simple)} does'
+            )
+        if self.estimator.startswith('continuous'):
+            if self.coefficients != self.poles + 1:
+                raise SatvibError(
+                    f'coefficients: {self.coefficients}; in continuous time poles + 1 = '
+                    f'{self.poles + 1} are estimated'
+                )
+            if self.filter_corner * self.dt >= 0.5:
+                raise SatvibError(
+                    f'filter_corner: {self.filter_corner} Hz is not below half the sample rate, '
+                    f'{self.sample_rate / 2.0:g} Hz'
+                )
+        if self.estimator == 'continuous_normalized' and self.initial_covariance > 1e6:
+            raise SatvibError(
+                f'initial_covariance: {self.initial_covariance:g} is more than 1e6; '
+                'continuous_normalized sheds it only as exp(-gain t / normalization)'
             )
         low, high = (*self.trust_band, 0.0, 0.0)[:2]
         if len(self.trust_band) != 2 or not low <= high or high * self.dt >= 0.5:

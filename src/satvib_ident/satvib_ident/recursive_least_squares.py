@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from satvib_common.errors import SatvibError
 
 from satvib_ident import ud
+from satvib_ident.eigenvalues import information_measures
 from satvib_ident.forgetting import Forgetting, NoForgetting
 
 Array = NDArray[np.float64]
@@ -129,6 +130,10 @@ class RecursiveLeastSquares:
     def covariance(self) -> Array:
         """Covariance of theta, (*shape, p, p): the noise variance times P."""
         return np.asarray(self.noise_variance)[..., None, None] * self.P
+
+    def information(self) -> tuple[Array, Array]:
+        """Smallest eigenvalue and condition of the normalized information matrix, (shape) each."""
+        return information_measures(self.U, self.d)
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Begin anew where `mask` (shape) holds: theta(0), P(0), no memory."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 
 class IirRegressor:
@@ -46,7 +47,7 @@ class IirRegressor:
         """Number of parameters, p = n + m."""
         return self.poles + self.coefficients
 
-    def form(self, voltage: Array, bias: Array | float = 0.0) -> tuple[Array, NDArray[np.bool_]]:
+    def form(self, voltage: Array, bias: Array | float = 0.0) -> tuple[Array, Mask]:
         """Take u(k-d) and give w(k); call `take` with y(k) afterwards.
 
         Args:
@@ -70,12 +71,24 @@ class IirRegressor:
         self._y[..., 1:] = self._y[..., :-1]
         self._y[..., 0] = y
 
-    def clear(self, mask: NDArray[np.bool_] | bool = True) -> None:
+    def step(self, y: Array, voltage: Array, bias: Array | float) -> tuple[Array, Array, Mask]:
+        """Take y(k) (shape, m/s^2 as measured) and u(k-d) (shape, V), NaN where not known.
+
+        Returns:
+            w(k) (*shape, p), the target y(k) without its bias (shape), and whether both may be used (shape).
+        """
+        w, full = self.form(voltage, bias)
+        known = np.isfinite(y)
+        self.take(np.where(known, y, np.nan))
+        return w, np.where(known, y - bias, 0.0), np.asarray(full & known)
+
+    def model(self, theta: Array, covariance: Array) -> tuple[Array, Array]:
+        """The IIR coefficients of an estimate (*shape, at least p) and their covariance."""
+        p = self.count
+        return theta[..., :p].copy(), covariance[..., :p, :p]
+
+    def clear(self, mask: Mask | bool = True) -> None:
         """Empty the histories where `mask` (shape) holds."""
         where = np.asarray(mask)[..., None]
         self._y[...] = np.where(where, np.nan, self._y)
         self._u[...] = np.where(where, np.nan, self._u)
-
-    def split(self, theta: Array) -> tuple[Array, Array]:
-        """Give (a, b) of a parameter vector (*shape, at least p)."""
-        return theta[..., : self.poles], theta[..., self.poles : self.count]

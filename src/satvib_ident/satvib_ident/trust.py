@@ -106,14 +106,14 @@ def judge(
     p = parameters
     finite = np.asarray(np.logical_and.reduce(np.isfinite(theta), axis=-1))
     eigenvalue, condition = information
-    # the first failure counts, so the checks are laid over one another from the last to the first; ~(x < limit)
-    # also fails what is not a number
+    # the first failure counts, so the checks are laid over one another from the last to the first; what is not known
+    # (NaN: an estimator without covariance, a window not filled) fails none
     failed = np.zeros(updates.shape, dtype=np.int64)
     if p.trust_whiteness > 0.0:
         failed = np.where(whiteness > p.trust_whiteness, 8, failed)
-    failed = np.where(~(model_error < p.trust_error), 7, failed)
-    failed = np.where(~(response_deviation < p.trust_deviation), 6, failed)
-    failed = np.where(~(condition < p.trust_condition), 5, failed)
+    failed = np.where(model_error >= p.trust_error, 7, failed)
+    failed = np.where(response_deviation >= p.trust_deviation, 6, failed)
+    failed = np.where(condition >= p.trust_condition, 5, failed)
     failed = np.where(excitation_order < p.count, 4, failed)
     failed = np.where(~(pole_modulus < p.trust_pole_modulus), 3, failed)
     failed = np.where(~finite, 2, failed)
