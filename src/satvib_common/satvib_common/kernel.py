@@ -6,39 +6,17 @@ A kernel is a Numba gufunc. Its body is written for one strut of one trial; call
 axes runs the same machine code item by item. So the bits of a result cannot depend on the batch's shape, which
 vectorised NumPy and BLAS do not promise. Fast-math stays off for the same reason.
 
-Compiled code is cached beside the source, or in NUMBA_CACHE_DIR. Numba keeps two files for a gufunc, and the names
-inside them carry a counter of the process that compiled: files of two processes do not fit together, and calling the
-result is a crash. So that processes that start together on a cold cache do not mix theirs, one at a time compiles.
+Compiled code is cached beside the source, or in NUMBA_CACHE_DIR (see `kernel_cache`).
 """
 
-import fcntl
-import hashlib
-import os
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 from numba import guvectorize
 
+from satvib_common.kernel_cache import own_folder
+
 Kernel = Callable[..., Any]
-
-
-@contextmanager
-def _alone(source: str) -> Iterator[None]:
-    """Hold the lock of a source file; without a place for locks, go on without one."""
-    # a workspace built with links imports one file by several paths, and its cache is one
-    name = hashlib.sha256(os.path.realpath(source).encode()).hexdigest()[:16]
-    path = Path(tempfile.gettempdir()) / f'satvib-kernel-{os.getuid()}-{name}.lock'
-    try:
-        handle = path.open('a')
-    except OSError:
-        yield
-        return
-    with handle:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
 
 
 def kernel(
@@ -57,7 +35,7 @@ def kernel(
     """
 
     def decorate(function: Callable[..., None]) -> Kernel:
-        with _alone(function.__code__.co_filename):
+        with own_folder(function, signature, layout, repr(writable)):
             compiled: Kernel = guvectorize(
                 [signature], layout, nopython=True, cache=True, writable_args=writable
             )(function)
