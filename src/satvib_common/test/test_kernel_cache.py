@@ -29,7 +29,7 @@ def affine(x, y):
 CALL = 'import numpy as np; import some_kernel; print(some_kernel.affine(np.ones(2)).tolist())'
 
 
-@pytest.fixture()
+@pytest.fixture
 def folder(tmp_path):
     write(tmp_path)
     return tmp_path
