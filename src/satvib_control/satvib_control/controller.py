@@ -16,7 +16,7 @@ row latch a fault. A gap in the sequence is counted and the states stay; a seque
 
 import copy
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +25,7 @@ from satvib_common.guard import Guarded, VoltageGuard
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.sequence import Arrival, SequenceTracker
 from satvib_common.statistics import MovingRms
+from satvib_ident.iir_model import IirModel
 
 from satvib_control.divergence import DivergenceWatch
 from satvib_control.law import STATE_FIELDS, Array, LawInput, LawState, Mask, make_law
@@ -32,9 +33,6 @@ from satvib_control.parameters import ControllerParameters
 from satvib_control.polynomial import broadcast_model, model_polynomials, stable
 from satvib_control.reasons import reason, reasons, text_of
 from satvib_control.signals import StrutSignals
-
-if TYPE_CHECKING:
-    from satvib_ident.iir_model import IirModel
 
 NOT_FINITE = reason('fault: the law asked for a voltage that is not finite')
 LOST = reason('0 V: the upper acceleration is missing')
@@ -139,14 +137,16 @@ class ControllerCore:
         self._fade = np.ones(shape)
         self._fault_reason = np.zeros(shape, dtype=np.int64)
         self._model_reason = np.zeros(shape, dtype=np.int64)
-        self._waiting: tuple[Any, Mask, Array | None] | None = None
+        self._waiting: tuple[IirModel, Mask, Array | None] | None = None
+        self._taken: IirModel | None = None
+        self._has_taken = np.zeros(shape, dtype=bool)
         self._stop = np.zeros(shape, dtype=bool)
         self._checked_rest = False
         self._last: ControllerOutput | None = None
 
     def set_model(
         self,
-        model: 'IirModel',
+        model: IirModel,
         trusted: ArrayLike = True,
         why: Any = '',
         covariance: Array | None = None,
@@ -171,7 +171,33 @@ class ControllerCore:
         self._model_reason = np.broadcast_to(code, self.shape)
         if covariance is not None:
             covariance = np.broadcast_to(covariance, (*self.shape, *covariance.shape[-2:]))
-        self._waiting = (model, np.asarray(trusted & sound), covariance)
+        fresh = np.ones(self.shape, dtype=bool)
+        if self._taken is not None and self._alike(model):
+            same = np.all(self._taken.a == model.a, axis=-1)
+            same = same & np.all(self._taken.b == model.b, axis=-1)
+            fresh = ~(same & self._has_taken)
+        use = np.asarray(trusted & sound & fresh)
+        # a design costs, and most hand-overs after IDENTIFY bring nothing new
+        self._waiting = (model, use, covariance) if use.any() else None
+
+    def _alike(self, model: IirModel) -> bool:
+        """Whether a model has the orders and the delay of those that the law has."""
+        taken = self._taken
+        return (
+            taken is not None
+            and taken.theta.shape == model.theta.shape
+            and taken.a.shape == model.a.shape
+            and taken.delay == model.delay
+        )
+
+    def _keep(self, model: IirModel, use: Mask) -> None:
+        """Remember which models the law has."""
+        if self._taken is None or not self._alike(model):
+            self._taken, self._has_taken = model, use
+            return
+        pick = use[..., None]
+        a, b = np.where(pick, model.a, self._taken.a), np.where(pick, model.b, self._taken.b)
+        self._taken, self._has_taken = IirModel(a, b, model.delay, model.dt), self._has_taken | use
 
     def apply(self, parameters: ControllerParameters) -> None:
         """Take new values of the parameters that are not read-only."""
@@ -216,8 +242,10 @@ class ControllerCore:
         lower_clean = np.where(np.isfinite(lower_clean), lower_clean, np.nan)
         self._lost = np.where(valid, 0, self._lost + 1)
         if phase not in {Phase.CALIBRATE, Phase.IDENTIFY} and self._waiting is not None:
-            self.law.set_model(*self._waiting)
-            self.watch.set_model(*self._waiting[:2])
+            model, use, covariance = self._waiting
+            self.law.set_model(model, use, covariance)
+            self.watch.set_model(model, use)
+            self._keep(model, use)
             self._waiting = None
         acting = phase in {Phase.ADAPT, Phase.CONTROL}
         # in ADAPT the law shakes the strut on purpose

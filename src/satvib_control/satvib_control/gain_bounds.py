@@ -60,7 +60,7 @@ class GainBounds:
         return np.minimum(np.maximum(gain, self.minimum), self.maximum)
 
 
-@njit(cache=True)
+@njit
 def _value(c: Any, zi: Any) -> complex:
     """Polynomial in z^-1 at one point."""
     total = 0.0j
@@ -69,7 +69,7 @@ def _value(c: Any, zi: Any) -> complex:
     return total
 
 
-@njit(cache=True)
+@njit
 def _limit(
     f: Any, side: Any, a: Any, b: Any, delay: Any, cb: Any, ca: Any, cov: Any, margin: Any
 ) -> float:

@@ -44,7 +44,7 @@ class Margins:
     gain: Array
 
 
-@njit(cache=True)
+@njit
 def _loop(w: Any, num: Any, den: Any) -> complex:
     zi = complex(math.cos(w), -math.sin(w))
     top = 0.0j

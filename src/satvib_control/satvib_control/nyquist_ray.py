@@ -19,7 +19,7 @@ from satvib_common.kernel import kernel
 POINTS = 384
 
 
-@njit(cache=True)
+@njit
 def ray_limit(gains: Any, grid: Any, margin: Any) -> float:
     """Largest t for which t * gains (j) keep the margin; `grid` (2 j, points) has Re and Im of each L_j."""
     best = np.inf

@@ -97,7 +97,7 @@ class ControllerParameters(LoopParameters):
         read_only=True,
     )
     gain_confidence: float = param(
-        0.0,
+        0.9,
         "confidence of the model's covariance ellipsoid over which the margin must hold; 0: the "
         'estimate alone',
         minimum=0.0,
@@ -325,6 +325,13 @@ class ControllerParameters(LoopParameters):
         'in IDENTIFY and taken off the reference; 0: no protection',
         minimum=0,
         maximum=512,
+        read_only=True,
+    )
+    feedforward_struts: int = param(
+        3,
+        'struts on one lower plate; the reactions of the others stay in the reference, and the '
+        'gain is kept so low that they cannot close an unstable loop; 1: no such bound',
+        minimum=1,
         read_only=True,
     )
 

@@ -26,7 +26,7 @@ Y_LAST, P_LAST, U_MODEL, WAS_ADAPT = 13, 14, 15, 16
 MEMORY = 17
 
 
-@njit(cache=True)
+@njit
 def _filter(b: Any, a: Any, state: Any, x: Any) -> float:
     """Direct form II transposed; `state` has at least one place less than b and a; a[0] is 1."""
     order = b.shape[0] - 1
