@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""`satvib table`: laws x rigs x disturbances by the offline twin, as tables."""
+
+from typing import Annotated
+
+import typer
+
+from satvib_bringup.commands.options import Folder, Settings
+
+
+def table(
+    study: Annotated[
+        str, typer.Argument(help='Name of a study, or the path of its YAML file.', metavar='STUDY')
+    ] = 'laws',
+    only: Annotated[
+        list[str] | None,
+        typer.Option('--only', help='Keep cells whose rig, disturbance or law has this name.'),
+    ] = None,
+    settings: Settings = None,
+    jobs: Annotated[
+        int | None, typer.Option('--jobs', '-j', help='Processes; all cores if not given.', min=1)
+    ] = None,
+    folder: Folder = None,
+) -> None:
+    """Run every law on every rig under every disturbance, and print and write the tables.
+
+    Attenuation is against the open-loop twin in the same instants; of several struts the worst is shown.
+    """
+    import json
+
+    from rich.progress import track
+    from satvib_common.errors import SatvibError
+
+    from satvib_bringup.console import make_console
+    from satvib_bringup.run_folder import free_run_folder, make_run_folder
+    from satvib_bringup.study import load_study, run_study
+    from satvib_bringup.study_table import markdown
+
+    loaded = load_study(study, settings)
+    cells = loaded.cells()
+    for name in only or []:
+        cells = [c for c in cells if name in {c.rig, c.disturbance, c.law}]
+        if not cells:
+            raise SatvibError(f'--only {name}: no cell is left')
+    target = free_run_folder(f'table-{loaded.name}', folder)
+    make_run_folder(target)
+    console = make_console()
+    rows = dict(
+        track(
+            run_study(cells, jobs),
+            description=f'table {loaded.name}',
+            total=len(cells),
+            console=console,
+            transient=True,
+            disable=not console.is_terminal,
+        )
+    )
+    ordered = [rows[i] for i in range(len(cells))]
+    text = markdown(ordered)
+    (target / 'table.md').write_text(text, encoding='utf-8')
+    (target / 'table.json').write_text(json.dumps(ordered, indent=1, allow_nan=False) + '\n')
+    console.print(text, soft_wrap=True)
+    console.print(f'{len(ordered)} cells; table.md and table.json are in {target}')

@@ -1,0 +1,165 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""A study: every law on every rig under every disturbance, each cell a run of the offline twin."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from satvib_common.errors import SatvibError
+from satvib_common.schema import Schema, load_yaml, param
+
+from satvib_bringup.overrides import apply_overrides
+from satvib_bringup.scenario import Scenario, check_scenario
+from satvib_bringup.settings import nearest, resolve_path
+
+FOLDER = Path(__file__).parent / 'studies'
+KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study(Schema):
+    """What is varied: three axes, by name, over a base that all cells share."""
+
+    name: str = param(description='name of the study')
+    description: str = param('', 'what it shows')
+    base: dict[str, Any] = param(description='keys of a scenario that all cells share')
+    rigs: dict[str, Any] = param(description='by name: further keys of a scenario, with rig')
+    disturbances: dict[str, Any] = param(description='by name: a disturbance')
+    laws: dict[str, Any] = param(description="by name: a controller's settings, with law")
+
+    def cells(self) -> list[Cell]:
+        """Every combination, checked.
+
+        Raises:
+            SatvibError: a cell that is no scenario; the cell is named.
+        """
+        return [
+            Cell(rig, disturbance, law, self._scenario(rig, disturbance, law))
+            for rig in self.rigs
+            for disturbance in self.disturbances
+            for law in self.laws
+        ]
+
+    def _scenario(self, rig: str, disturbance: str, law: str) -> Scenario:
+        where = f'study {self.name}: {rig}, {disturbance}, {law}'
+        data = {
+            **self.base,
+            **self.rigs[rig],
+            'name': self.name,
+            'disturbance': self.disturbances[disturbance],
+            'controller': {**self.base.get('controller', {}), **self.laws[law]},
+        }
+        scenario = Scenario.from_mapping(data, where)
+        check_scenario(scenario, where)
+        return scenario
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One combination."""
+
+    rig: str
+    disturbance: str
+    law: str
+    scenario: Scenario
+
+
+def study_names() -> list[str]:
+    """Names of the studies that come with the package."""
+    return sorted(path.stem for path in FOLDER.glob('*.yaml'))
+
+
+def load_study(name_or_path: str | Path, overrides: list[str] | None = None) -> Study:
+    """Load a study.
+
+    Args:
+        name_or_path: a name of `study_names()`, or the path of a YAML file.
+        overrides: 'key=value' with dots, as in base.seed=3.
+
+    Raises:
+        SatvibError: no such study, or a wrong key in it.
+    """
+    text = str(name_or_path)
+    if not text.endswith(('.yaml', '.yml')) and '/' not in text:
+        if text not in study_names():
+            raise SatvibError(f'study {text!r}: no such study; {nearest(text, study_names())}')
+        path = FOLDER / f'{text}.yaml'
+    else:
+        path = Path(text)
+    data = load_yaml(path)
+    if not isinstance(data, dict):
+        raise SatvibError(f'{path}: a mapping of keys is expected')
+    apply_overrides(data, overrides or [])
+    study = Study.from_mapping(data, str(path))
+    for name, keys in study.rigs.items():
+        if not isinstance(keys, dict) or 'rig' not in keys:
+            raise SatvibError(f'{path}: rigs.{name}: a mapping with the key rig is expected')
+        keys['rig'] = resolve_path(str(keys['rig']), path.parent)
+    for name, keys in study.laws.items():
+        if not isinstance(keys, dict):
+            raise SatvibError(f'{path}: laws.{name}: a mapping is expected')
+    return study
+
+
+def run_cell(cell: Cell) -> dict[str, Any]:
+    """Run one cell and give its row: per strut in dB (NaN is None), the worst strut, and what the laws said."""
+    from satvib_bringup.analysis import analyse
+    from satvib_bringup.analysis.levels import decibel
+    from satvib_bringup.closed_loop import simulate
+
+    recording = simulate(cell.scenario)
+    e, _ = analyse(recording)
+    floor = decibel(np.array(e.noise), e.levels['open_loop']['measured_rms'])
+    figures = {kind: e.attenuation_open_loop[kind] for kind in KINDS}
+    figures |= {
+        'noise_floor': floor,
+        'settling_time': e.settling_time,
+        'largest_amplification': e.largest_amplification,
+        'largest_voltage': e.largest_voltage,
+    }
+    return {
+        'rig': cell.rig,
+        'disturbance': cell.disturbance,
+        'law': cell.law,
+        'seed': cell.scenario.seed,
+        'struts': {name: _plain(values) for name, values in figures.items()},
+        'worst': {name: _worst(values) for name, values in figures.items()},
+        'reasons': sorted({str(text) for text in recording.get('state', 'reason')[-1] if text}),
+    }
+
+
+def _plain(values: Any) -> list[float | None]:
+    return [float(v) if math.isfinite(v) else None for v in values]
+
+
+def _worst(values: Any) -> float | None:
+    return float(np.max(values)) if np.all(np.isfinite(values)) else None
+
+
+def run_study(cells: list[Cell], jobs: int | None = None) -> Iterator[tuple[int, dict[str, Any]]]:
+    """Run cells on several processes and give (index, row) as they are done; the rows do not depend on `jobs`.
+
+    Raises:
+        SatvibError: a cell failed; it is named.
+    """
+    jobs = min(jobs or os.cpu_count() or 1, len(cells))
+    if jobs == 1:
+        for index, cell in enumerate(cells):
+            yield index, run_cell(cell)
+        return
+    with ProcessPoolExecutor(jobs, mp_context=get_context('spawn')) as pool:
+        waiting = {pool.submit(run_cell, cell): index for index, cell in enumerate(cells)}
+        try:
+            for done in as_completed(waiting):
+                yield waiting[done], done.result()
+        finally:
+            pool.shutdown(cancel_futures=True)

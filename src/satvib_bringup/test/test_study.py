@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Studies: every cell a scenario, the rows the same on any number of processes."""
+
+import pytest
+import yaml
+from satvib_bringup.analysis import analyse
+from satvib_bringup.closed_loop import simulate
+from satvib_bringup.study import FOLDER, load_study, run_study, study_names
+from satvib_bringup.study_table import COLUMNS, markdown
+from satvib_common.errors import SatvibError
+
+SMALL = {
+    'name': 'small',
+    'base': {
+        'seed': 3,
+        'duration': 2.0,
+        'phases': [{'phase': 'CALIBRATE'}, {'phase': 'CONTROL', 'start': 0.5}],
+        'analysis': {'controlled': [1.0, 2.0]},
+    },
+    'rigs': {'stiff': {'rig': 'paper_1dof'}},
+    'disturbances': {'10 Hz': {'kind': 'sine', 'frequency': 10, 'amplitude': 1, 'start': 0.5}},
+    'laws': {'none': {'law': 'off'}, 'velocity': {'law': 'velocity_feedback'}},
+}
+
+
+@pytest.fixture
+def small(tmp_path):
+    path = tmp_path / 'small.yaml'
+    path.write_text(yaml.safe_dump(SMALL))
+    return path
+
+
+def test_rows_are_those_of_single_runs_on_any_number_of_processes(small):
+    """Truth: each cell simulated and analysed by hand; no tolerance."""
+    cells = load_study(small).cells()
+    alone = dict(run_study(cells, jobs=1))
+    assert dict(run_study(cells, jobs=2)) == alone
+    for index, cell in enumerate(cells):
+        e, _ = analyse(simulate(cell.scenario))
+        assert alone[index]['struts']['true_rms'] == list(e.attenuation_open_loop['true_rms'])
+    assert alone[0]['worst']['true_rms'] == pytest.approx(0.0, abs=1e-12)
+    assert alone[1]['worst']['true_rms'] < -1.0
+
+
+def test_the_table_shows_every_cell(small):
+    """Truth: by hand: one table per rig, one line per cell, the worst strut's figures."""
+    rows = [row for _, row in sorted(run_study(load_study(small).cells(), jobs=1))]
+    text = markdown(rows)
+    lines = [line for line in text.splitlines() if line.startswith('| 10 Hz')]
+    assert text.startswith('### stiff\n')
+    assert len(lines) == 2
+    assert all(line.count('|') == len(COLUMNS) + 3 for line in lines)
+    assert f'{rows[1]["worst"]["true_rms"]:+.1f}' in lines[1]
+
+
+def test_overrides_reach_the_base(small):
+    """Truth: the values given."""
+    study = load_study(small, ['base.seed=9', 'laws.velocity.velocity_gain=20'])
+    cell = study.cells()[1]
+    assert cell.scenario.seed == 9
+    assert cell.scenario.controller['velocity_gain'] == 20
+
+
+@pytest.mark.parametrize('name', study_names())
+def test_every_study_of_the_package_is_made_of_scenarios(name):
+    """Truth: the product of its axes."""
+    study = load_study(name)
+    axes = yaml.safe_load((FOLDER / f'{name}.yaml').read_text())
+    count = len(axes['rigs']) * len(axes['disturbances']) * len(axes['laws'])
+    assert len(study.cells()) == count
+
+
+@pytest.mark.parametrize(
+    ('override', 'told'),
+    [
+        ('lows={}', 'lows: no such key; did you mean laws?'),
+        ('rigs.stiff=3', 'rigs.stiff: a mapping with the key rig'),
+        ('rigs.stiff.rig=none_such', 'no such rig'),
+        ('laws.velocity=3', 'laws.velocity: a mapping'),
+        ('laws.velocity.law=magic', "'magic' is not one of"),
+        ('disturbances.10 Hz.kind=quake', "'quake'"),
+        ('base.durration=3', 'durration: no such key; did you mean duration?'),
+    ],
+)
+def test_a_wrong_study_is_named(small, override, told):
+    """Truth: by hand; one line."""
+    with pytest.raises(SatvibError) as caught:
+        load_study(small, [override]).cells()
+    assert told in str(caught.value)
+    assert '\n' not in str(caught.value)
+    with pytest.raises(SatvibError, match='did you mean laws'):
+        load_study('lawz')
