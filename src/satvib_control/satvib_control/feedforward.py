@@ -24,14 +24,32 @@ from typing import TYPE_CHECKING
 import numpy as np
 from satvib_common.phases import Phase
 
-from satvib_control.error_watch import FADE, GIVEN_UP, LEARN, LISTEN, PACE, SIZE, watch
+from satvib_control.error_watch import (
+    COUNT,
+    FADE,
+    GIVEN_UP,
+    LEARN,
+    LISTEN,
+    PACE,
+    RESTART,
+    SHARE,
+    SIZE,
+    watch,
+)
 from satvib_control.filtered_u import stabilize
 from satvib_control.fxlms import fxlms
 from satvib_control.fxrls import fxrls
 from satvib_control.law import Array, BasicLaw, LawInput, Mask
 from satvib_control.reasons import reason
-from satvib_control.reference_line import MOTION, count, inner, motion_coefficients, run_line
-from satvib_control.reference_protection import ReferenceProtection
+from satvib_control.reference_line import (
+    MOTION,
+    count,
+    inner,
+    line_table,
+    motion_coefficients,
+    run_line,
+)
+from satvib_control.reference_protection import FREQUENCIES, ReferenceProtection, loop_gain
 
 if TYPE_CHECKING:
     from satvib_ident.iir_model import IirModel
@@ -51,6 +69,8 @@ HISTORY = 2.0  # s of samples through which a new model is run, so that it finds
 SHORT_GAP = 3  # samples that may be missing without spoiling the integrals
 POLE_RADIUS = 0.99
 CUT = 1e-6  # V; less is rounding
+LOOP_GAIN = 1.0  # |(n - 1) W F_hat| of n struts on one plate; small gain
+BOOST = 1.05  # by which the leak rises per sample above it
 RAIL_TIME = 0.05  # s, time constant with which the weights shrink while saturated
 
 
@@ -69,6 +89,11 @@ class Feedforward(BasicLaw):
         self._sizes = np.array([p.feedforward_taps, int(p.feedforward_motion), self._poles])
         size = count(p.feedforward_taps, p.feedforward_motion, self._poles)
         self._coefficients = motion_coefficients(p.feedforward_motion_corner, dt)
+        self._table = line_table(
+            p.feedforward_taps, p.feedforward_motion, self._poles, p.feedforward_motion_corner, dt,
+            FREQUENCIES,
+        )  # fmt: skip
+        self._boost = np.ones(shape)
         self._settle = 3.0 / (2.0 * math.pi * p.feedforward_motion_corner * dt)
         self._settle = math.ceil(self._settle) if p.feedforward_motion else 0
         self.protection = ReferenceProtection(p.feedforward_protection_taps, shape)
@@ -98,13 +123,10 @@ class Feedforward(BasicLaw):
     def _tune(self) -> None:
         """Take what may be changed while running."""
         p, dt = self.parameters, self.dt
-        self._share = -math.expm1(-dt / p.feedforward_memory)
         self._settings = np.zeros((*self.shape, 4))
-        self._settings[..., 1] = p.feedforward_leak
-        self._settings[..., 2] = self._share
+        self._settings[..., 2] = -math.expm1(-dt / p.feedforward_memory)
         window = max(round(p.watch_time / dt), 1)
         self._watch_settings = np.array([window, p.watch_ratio, p.feedforward_floor])
-        self._fade = 0.1 ** (1.0 / max(0.1 * window, 1.0))
 
     def apply(self, parameters: 'ControllerParameters') -> None:
         """Take new settings; those that shape the filter are read-only."""
@@ -145,7 +167,7 @@ class Feedforward(BasicLaw):
         # another model is another chance
         reset = np.zeros(SIZE)
         reset[PACE] = 1.0
-        given_up = fresh & (self._watch[..., 6] > 0.0)
+        given_up = fresh & (self._watch[..., COUNT] > 0.0)
         self._watch[...] = np.where(given_up[..., None], reset, self._watch)
 
     def _replay(self, where: Mask, reference_too: bool) -> None:
@@ -192,32 +214,29 @@ class Feedforward(BasicLaw):
 
         complete = measured & (self._need <= 0.0)
         alone = phase != Phase.IDENTIFY and self._phase != Phase.IDENTIFY
-        ours = np.where(acted, effect, 0.0)
         # cut by the limit, and not only held back by somebody else
-        railed = x.saturated & acted & (np.abs(x.applied - self._demand * x.fade) > CUT)
-        verdict = watch(
-            x.upper, reference, ours, railed, x.valid & complete & alone, acting,
-            self._watch_settings, self._watch,
+        cut = x.saturated & acted & (np.abs(x.applied - self._demand * x.fade) > CUT)
+        verdict, loud = watch(
+            x.upper, reference, np.where(acted, effect, 0.0), cut, x.valid & complete & alone,
+            acting, self._watch_settings, self._watch,
         )  # fmt: skip
         self._phase = phase
-        loud = self._watch[..., 1] > self.parameters.feedforward_floor**2
-        able = complete & self._known & (verdict == LEARN)
-        active = able & x.valid & ~x.saturated & loud & acting
+        able = complete & self._known & ((verdict == LEARN) | (verdict == LISTEN))
+        active = able & loud & x.valid & ~x.saturated & acting
         predicted = x.upper - effect
         error = predicted + inner(self.weights, self._lines[..., 1, :])
-        self._adapt(error, active, railed, verdict)
-        wanted = np.asarray(inner(self.weights, self._lines[..., 0, :]))
-        give = complete & self._known & ((verdict == LEARN) | (verdict == FADE))
+        self._adapt(error, active, cut, verdict)
+        wanted = self._watch[..., SHARE] * inner(self.weights, self._lines[..., 0, :])
+        self._demand = np.where(complete & self._known & acting, wanted, 0.0)
         self._show(x, reference, predicted, active)
         why = np.where(loud, np.where(x.saturated & acted, SATURATED, 0), SMALL)
         for case, code in (
-            (verdict == FADE, BACKED_OFF), (verdict == LISTEN, LISTENING),
+            (verdict == LISTEN, LISTENING), ((verdict == FADE) | (verdict == RESTART), BACKED_OFF),
             (self._need > 0.0, FILLING), (~measured, MISSING),
             (verdict == GIVEN_UP, GAVE_UP), (~self._known, NO_MODEL),
         ):  # fmt: skip
             why = np.where(case, code, why)
         self.state.reason = why
-        self._demand = np.where(give & acting, wanted, 0.0)
         return self._demand
 
     def _measured(self, x: LawInput) -> tuple[Mask, Array]:
@@ -236,31 +255,44 @@ class Feedforward(BasicLaw):
         self.protection.finish()
         self._replay(np.ones(self.shape, dtype=bool), reference_too=True)
 
-    def _adapt(self, error: Array, active: Mask, railed: Mask, verdict: Array) -> None:
+    def _adapt(self, error: Array, active: Mask, cut: Mask, verdict: Array) -> None:
         """Move the weights and keep them within their bounds."""
         p, filtered = self.parameters, self._lines[..., 1, :]
-        pace = self._watch[..., PACE]
+        pace, settings = self._watch[..., PACE], self._settings
+        settings[..., 1] = np.minimum(p.feedforward_leak * self._boost, 1.0)
         if p.feedforward_method == 'fxlms':
-            self._settings[..., 0] = pace * p.feedforward_step
+            settings[..., 0] = pace * p.feedforward_step
             power = self._power[..., :1]
-            norm = fxlms(filtered, error, active, self._settings, self.weights, power)
+            norm = fxlms(filtered, error, active, settings, self.weights, power)
         else:
-            self._settings[..., 0] = pace
+            settings[..., 0] = pace
             norm = fxrls(
-                filtered, error, active, self._settings,
-                self.weights, self._U, self._d, self._power,
-            )  # fmt: skip
+                filtered, error, active, settings, self.weights, self._U, self._d, self._power
+            )
         limit = p.feedforward_weight_limit
         scale = np.where(norm > limit * limit, limit / np.sqrt(np.maximum(norm, 1e-300)), 1.0)
-        scale = np.where(railed, scale * (1.0 - min(self.dt / RAIL_TIME, 1.0)), scale)
-        scale = np.where(verdict == FADE, scale * self._fade, scale)
-        gone = (verdict == LISTEN) | (verdict == GIVEN_UP)
+        scale = np.where(cut, scale * (1.0 - min(self.dt / RAIL_TIME, 1.0)), scale)
+        gone = (verdict == RESTART) | (verdict == GIVEN_UP)
         self.weights *= np.where(gone, 0.0, scale)[..., None]
-        # after a back-off the least squares begin anew
         self._power[...] = np.where(gone[..., None], 0.0, self._power)
         if self._poles:
             stabilize(self.weights, self._poles, POLE_RADIUS)
+        self._bound_loop()
         self.state.weight_norm = np.sqrt(inner(self.weights, self.weights))
+
+    def _bound_loop(self) -> None:
+        """Raise the leak while the loop through the other struts' reactions is too strong."""
+        others = self.parameters.feedforward_struts - 1
+        if others < 1 or self.protection.taps == 0:
+            return
+        gain = others * loop_gain(self.weights, self._table, self._poles, self.protection.magnitude)
+        above = gain > LOOP_GAIN
+        boost = np.where(above, self._boost * BOOST, self._boost / BOOST)
+        most = 1.0 / self.parameters.feedforward_leak
+        self._boost = np.minimum(np.maximum(boost, 1.0), most)
+        # the leak needs time; twice the bound is not waited for
+        hard = np.where(gain > 2.0 * LOOP_GAIN, 2.0 * LOOP_GAIN / np.maximum(gain, 1e-300), 1.0)
+        self.weights *= hard[..., None]
 
     def _show(self, x: LawInput, reference: Array, predicted: Array, active: Mask) -> None:
         state = self.state

@@ -311,7 +311,7 @@ class ControllerParameters(LoopParameters):
         maximum=1.0,
     )
     feedforward_floor: float = param(
-        0.01,
+        0.02,
         'RMS of the reference below which nothing is learnt',
         unit='m/s^2',
         minimum=0.0,

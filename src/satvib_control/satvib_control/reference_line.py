@@ -49,7 +49,7 @@ def motion_coefficients(corner: float, dt: float) -> Array:
     return np.array([c / (c + w), SCALE / (c + w), (c - w) / (c + w)])
 
 
-@njit(cache=True)
+@njit
 def _motion(coefficients, state, x):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """One sample of both filters: scaled velocity and displacement."""
     h, g, p = coefficients
@@ -62,7 +62,7 @@ def _motion(coefficients, state, x):  # type: ignore[no-untyped-def]  # noqa: AN
     return velocity, shift
 
 
-@njit(cache=True)
+@njit
 def _filter(b, a, state, x):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Direct form II transposed; b, a and state have one length, the last state stays 0; a[0] is 1."""
     y = b[0] * x + state[0]
@@ -71,7 +71,7 @@ def _filter(b, a, state, x):  # type: ignore[no-untyped-def]  # noqa: ANN001, AN
     return y
 
 
-@njit(cache=True)
+@njit
 def _push(line, taps, motion, poles, x, v, s, u):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Shift a regressor by one sample."""
     for i in range(taps - 1, 0, -1):
@@ -158,9 +158,32 @@ def inner(a, b, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     out[0] = total
 
 
+def line_table(taps: int, motion: bool, poles: int, corner: float, dt: float, f: Array) -> Array:
+    """Responses of the elements of the regressor, to the reference (the last: to the voltage).
+
+    Args:
+        taps, motion, poles: what the line holds.
+        corner: Hz, of the motion filters.
+        dt: s.
+        f: (f,) shares of the sample rate.
+
+    Returns:
+        (f, p, 2) real and imaginary parts.
+    """
+    z = np.exp(-2j * np.pi * f)
+    h, g, p = motion_coefficients(corner, dt)
+    high, low = h * (1.0 - z) / (1.0 - p * z), g * (1.0 + z) / (1.0 - p * z)
+    columns = [z**i for i in range(taps)]
+    if motion:
+        columns += [high * low, high * low * low]
+    columns += [z**i for i in range(1, poles + 1)]
+    table = np.stack(columns, axis=-1)
+    return np.stack([table.real, table.imag], axis=-1)
+
+
 def count(taps: int, motion: bool, poles: int) -> int:
     """Number of weights."""
     return taps + 2 * int(motion) + poles
 
 
-__all__ = ['MOTION', 'SCALE', 'count', 'inner', 'motion_coefficients', 'run_line']
+__all__ = ['MOTION', 'SCALE', 'count', 'inner', 'line_table', 'motion_coefficients', 'run_line']

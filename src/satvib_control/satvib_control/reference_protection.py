@@ -18,12 +18,14 @@ sum of squares, (T - E) / r > 10 E / N (an F test that leaves room for coloured 
 reaction to speak of and F_hat is 0.
 
 What it cannot know: a strut sees its own voltage only. On a shared lower plate the reactions of the other struts stay
-in the reference. Of n struts that act alike the loop is then 1 - (n - 1) W F in step, and 1 + W F against each other:
-|W F| must stay below 1 / (n - 1) by the leak of the weights.
+in the reference. Of n struts that act alike the loop is then 1 - (n - 1) W F in step, and 1 + W F against each other.
+By the small-gain theorem both are stable while |W F| < 1 / (n - 1) at all frequencies; `loop_gain` measures that, and
+the law raises its leak where it would be passed.
 """
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.kernel import kernel
 
 from satvib_control.fxrls import fxrls
 from satvib_control.reference_line import inner
@@ -34,6 +36,37 @@ Mask = NDArray[np.bool_]
 # Of the estimation: no pace, the least leak that keeps a badly excited filter small, a memory of 1e5 samples.
 SETTINGS = (1.0, 1e-6, 1e-5, 0.0)
 SIGNIFICANT = 10.0
+# where the loop gain is looked at, as shares of the sample rate
+FREQUENCIES = np.arange(1, 65) / 128.0
+
+
+@kernel('void(f8[:], f8[:,:,:], i8, f8[:], f8[:])', '(p),(f,p,c),(),(f)->()')
+def loop_gain(weights, table, poles, reaction, gain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Largest |W F_hat| over the frequencies of a table.
+
+    Args:
+        weights: (p) V/(m/s^2).
+        table: (f, p, 2) real and imaginary part of each element of the regressor per m/s^2 of reference (the last
+            `poles`: per volt).
+        poles: () how many of the weights act on past voltages.
+        reaction: (f) |F_hat|, m/s^2/V.
+        gain: () out.
+    """
+    gain[0] = 0.0
+    first = weights.shape[0] - poles
+    for k in range(reaction.shape[0]):
+        re, im = 0.0, 0.0
+        for i in range(first):
+            re += weights[i] * table[k, i, 0]
+            im += weights[i] * table[k, i, 1]
+        power = re * re + im * im
+        re, im = 1.0, 0.0
+        for i in range(first, weights.shape[0]):
+            re -= weights[i] * table[k, i, 0]
+            im -= weights[i] * table[k, i, 1]
+        if poles > 0:
+            power /= max(re * re + im * im, 1e-12)
+        gain[0] = max(gain[0], np.sqrt(power) * reaction[k])
 
 
 class ReferenceProtection:
@@ -45,12 +78,14 @@ class ReferenceProtection:
 
     Attributes:
         reaction: (*shape, r) m/s^2/V, F_hat as it is used; 0 until `finish` found something.
+        magnitude: (*shape, f) |F_hat| at `FREQUENCIES`.
     """
 
     def __init__(self, taps: int, shape: tuple[int, ...] = ()) -> None:
         self.taps, self.shape = taps, shape
         size = max(taps, 1)
         self.reaction = np.zeros((*shape, size))
+        self.magnitude = np.zeros((*shape, len(FREQUENCIES)))
         self._voltages = np.zeros((*shape, size))
         self._weights = np.zeros((*shape, size))
         self._U = np.zeros((*shape, size, size))
@@ -91,4 +126,8 @@ class ReferenceProtection:
         used = used & (self.taps > 0) & (self._total > 0.0)
         fine = used[..., None] & np.isfinite(self._weights)
         self.reaction = np.where(fine, self._weights, 0.0)
+        # the one sample between a voltage and what it does has no say in a magnitude
+        powers = np.exp(-2j * np.pi * np.outer(FREQUENCIES, np.arange(self.reaction.shape[-1])))
+        for i in np.ndindex(self.shape):
+            self.magnitude[i] = np.abs(powers @ self.reaction[i])
         return used
