@@ -8,13 +8,12 @@ truth = plant.advance(voltage)       # noise-free, between this sample and the n
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from satvib_common.errors import SatvibError
 
+from satvib_plant_sim.batch import agree, checked_voltage, trials_of
 from satvib_plant_sim.converters import (
     advance_noise,
     drawn_bias,
@@ -29,45 +28,14 @@ from satvib_plant_sim.disturbance.mixer import Mixer
 from satvib_plant_sim.energy import stored_energy
 from satvib_plant_sim.modal import equilibrium
 from satvib_plant_sim.noise import NormalSource, noise_model
+from satvib_plant_sim.observation import Sample, Truth
 from satvib_plant_sim.period import advance_period
 from satvib_plant_sim.response import source_transfer
 from satvib_plant_sim.rig import Rig
 
 Array = NDArray[np.float64]
 
-
-@dataclass(frozen=True)
-class Sample:
-    """What the acquisition reads at one instant.
-
-    Attributes:
-        sequence: index of the sample.
-        upper, lower: (*shape, struts) m/s^2, with bias, noise and quantization.
-    """
-
-    sequence: int
-    upper: Array
-    lower: Array
-
-
-@dataclass(frozen=True)
-class Truth:
-    """What really happened from one sample to the next.
-
-    Attributes:
-        upper, lower: (*shape, struts, n_fine) m/s^2 at the fine points, the first at the sample; right limits.
-        stroke: (*shape, struts) m, at the sample.
-        stroke_peak: (*shape, struts) m, largest magnitude in the period.
-        force_peak: (*shape, struts) N, largest magnitude of the coil's force in the period.
-        current: (*shape, struts) A, at the sample.
-    """
-
-    upper: Array
-    lower: Array
-    stroke: Array
-    stroke_peak: Array
-    force_peak: Array
-    current: Array
+__all__ = ['Plant', 'Sample', 'Truth']
 
 
 class Plant:
@@ -88,11 +56,11 @@ class Plant:
         disturbance: Disturbance | Sequence[Disturbance],
         seed: int | Sequence[int],
     ) -> None:
-        rigs, disturbances, seeds, self.shape = _trials(rig, disturbance, seed)
+        rigs, disturbances, seeds, self.shape = trials_of(rig, disturbance, seed)
         self.rigs = tuple(rigs)
         first = rigs[0]
         designs = [discretize(r) for r in rigs]
-        _agree(rigs)
+        agree(rigs)
         self.struts = first.struts.count
         self.dt = first.acquisition.period
         self.n_fine = first.acquisition.fine_steps
@@ -172,8 +140,8 @@ class Plant:
         Args:
             voltage: (*shape, struts) V, computed from the present sample; limited and quantized as the rig says.
             arrival: (*shape, struts) or less, s after the present sample, when it takes effect; in realtime, where
-                it is measured. Limited to the period and rounded to the fine grid. None: the rig's `input_delay`,
-                which may be longer than a period.
+                it is measured. Limited to the period and rounded to the fine grid; NaN: nothing arrived, the old
+                voltage stays. None: the rig's `input_delay`, which may be longer than a period.
 
         Returns:
             The truth from the present sample to the next.
@@ -182,14 +150,7 @@ class Plant:
             SatvibError: a voltage that is not a finite number, or of the wrong shape.
         """
         trials, n = len(self.rigs), self.struts
-        asked = np.asarray(voltage, dtype=float)
-        if asked.shape != (*self.shape, n):
-            raise SatvibError(f'voltage: shape {asked.shape}, not {(*self.shape, n)}')
-        if not np.isfinite(asked).all():
-            where = np.argwhere(~np.isfinite(asked))[0]
-            raise SatvibError(
-                f'voltage: {asked[tuple(where)]} for strut {where[-1] + 1} at sample {self.sequence}'
-            )
+        asked = checked_voltage(voltage, (*self.shape, n), self.sequence)
         terminal = drive_output(asked.reshape(trials, n), self._output)
         self.terminal_voltage = terminal.reshape(*self.shape, n)
         k = self.sequence
@@ -200,13 +161,9 @@ class Plant:
             event = self._event
         else:
             command = terminal
-            steps = np.asarray(arrival, dtype=float) / self.fine_period
+            steps = np.clip(np.rint(np.asarray(arrival) / self.fine_period), 0.0, self.n_fine)
             event = np.zeros((trials, n, 2))
-            event[..., 0] = (
-                np.clip(np.rint(steps), 0, self.n_fine).reshape(-1, n)
-                if (steps.ndim)
-                else float(np.clip(np.rint(steps), 0, self.n_fine))
-            )
+            event[..., 0] = np.broadcast_to(steps, (*self.shape, n)).reshape(trials, n)
         upper = np.empty((trials, n, self.n_fine))
         lower = np.empty((trials, self.n_fine))
         summary = advance_period(
@@ -227,52 +184,6 @@ class Plant:
         below = np.broadcast_to(lower.reshape(*self.shape, 1, self.n_fine), fine)
         stroke, peak, pull, current = (summary[:, i].reshape(shape) for i in range(4))
         return Truth(upper.reshape(fine), below, stroke, peak, pull, current)
-
-
-def _trials(
-    rig: Rig | Sequence[Rig],
-    disturbance: Disturbance | Sequence[Disturbance],
-    seed: int | Sequence[int],
-) -> tuple[list[Rig], list[Disturbance], list[int], tuple[int, ...]]:
-    """Bring the three to one length; shape () when all are single."""
-    rigs = [rig] if isinstance(rig, Rig) else list(rig)
-    disturbances = [disturbance] if isinstance(disturbance, Disturbance) else list(disturbance)
-    seeds = [int(seed)] if isinstance(seed, int | np.integer) else [int(s) for s in seed]
-    told = f'{len(rigs)} rigs, {len(disturbances)} disturbances and {len(seeds)} seeds'
-    count = max(len(rigs), len(disturbances), len(seeds))
-    single = (
-        isinstance(rig, Rig)
-        and isinstance(disturbance, Disturbance)
-        and isinstance(seed, int | np.integer)
-    )
-    if {len(rigs), len(disturbances), len(seeds)} - {1, count} or 0 in {
-        len(rigs),
-        len(disturbances),
-        len(seeds),
-    }:
-        raise SatvibError(f'plant: {told} do not make a batch')
-    if min(seeds) < 0:
-        raise SatvibError(f'plant: seed {min(seeds)} is less than 0')
-    return (
-        rigs * (count // len(rigs)),
-        disturbances * (count // len(disturbances)),
-        seeds * (count // len(seeds)),
-        () if single else (count,),
-    )
-
-
-def _agree(rigs: Sequence[Rig]) -> None:
-    """Refuse a batch whose trials do not run in step."""
-    kinds: dict[str, set[float]] = {
-        'struts.count': {r.struts.count for r in rigs},
-        'acquisition.sample_rate': {r.acquisition.sample_rate for r in rigs},
-        'acquisition.fine_rate (as fine steps)': {r.acquisition.fine_steps for r in rigs},
-        'acquisition.filter_order': {r.acquisition.filter_order for r in rigs},
-    }
-    for label, values in kinds.items():
-        if len(values) > 1:
-            told = ', '.join(map(str, sorted(values)))
-            raise SatvibError(f'plant: the rigs of a batch differ in {label}: {told}')
 
 
 def _stack(designs: Sequence[Discrete], name: str) -> Array:

@@ -179,17 +179,8 @@ def rig_names() -> list[str]:
     return sorted(f.name[:-5] for f in folder.iterdir() if f.name.endswith('.yaml'))
 
 
-def load_rig(name_or_path: str | Path, overrides: Mapping[str, Any] | None = None) -> Rig:
-    """Load a rig and change some of its numbers.
-
-    Args:
-        name_or_path: a name of `rig_names()`, or the path of a YAML file (it ends in .yaml or holds a slash).
-        overrides: dotted keys, as in {'payload.mass': 12.0, 'struts.stiffness_scale.1': 0.8}; list elements count
-            from 0.
-
-    Raises:
-        SatvibError: no such rig, unreadable, a wrong key, type or value; the message names rig and key.
-    """
+def read_rig(name_or_path: str | Path) -> tuple[dict[str, Any], str]:
+    """Read the plain data of a rig, and how messages call it."""
     text = str(name_or_path)
     if text.endswith(('.yaml', '.yml')) or '/' in text:
         data, where = load_yaml(Path(text)), text
@@ -202,13 +193,38 @@ def load_rig(name_or_path: str | Path, overrides: Mapping[str, Any] | None = Non
         data, where = parse_yaml(file.read_text(encoding='utf-8'), f'rig {text}'), f'rig {text}'
     if not isinstance(data, Mapping):
         raise SatvibError(f'{where}: a mapping of keys is expected')
-    base = Rig.from_mapping({'name': Path(text).stem, **data}, where)
+    return dict(data), where
+
+
+def load_rig(name_or_path: str | Path, overrides: Mapping[str, Any] | None = None) -> Rig:
+    """Load a rig and change some of its numbers.
+
+    Args:
+        name_or_path: a name of `rig_names()`, or the path of a YAML file (it ends in .yaml or holds a slash).
+        overrides: dotted keys, as in {'payload.mass': 12.0, 'struts.stiffness_scale.1': 0.8}; list elements count
+            from 0.
+
+    Raises:
+        SatvibError: no such rig, unreadable, a wrong key, type or value; the message names rig and key.
+    """
+    data, where = read_rig(name_or_path)
+    base = Rig.from_mapping({'name': Path(name_or_path).stem, **data}, where)
     if not overrides:
         return base
-    mapping = base.to_mapping()
+    return Rig.from_mapping(apply_overrides(base.to_mapping(), overrides, where), where)
+
+
+def apply_overrides(
+    mapping: dict[str, Any], overrides: Mapping[str, Any], where: str
+) -> dict[str, Any]:
+    """Set dotted keys in the plain data of a whole rig, which changes.
+
+    Raises:
+        SatvibError: a key that is not there.
+    """
     for key, value in overrides.items():
         _override(mapping, key, value, where)
-    return Rig.from_mapping(mapping, where)
+    return mapping
 
 
 def _override(mapping: dict[str, Any], key: str, value: Any, where: str) -> None:

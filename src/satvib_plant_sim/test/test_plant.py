@@ -156,6 +156,22 @@ def test_arrivals_differ_from_strut_to_strut():
     assert abs(current[2]) < 0.02
 
 
+@pytest.mark.parametrize('hold', ['zero', 'linear'])
+def test_a_voltage_that_does_not_arrive_changes_nothing(hold):
+    """Truth: the same voltage again; exact."""
+    rig = load_rig('paper_3dof', {**QUIET, 'acquisition.hold': hold})
+    one, two = Plant(rig, NONE, 1), Plant(rig, NONE, 1)
+    for plant in (one, two):
+        plant.advance(np.full(3, 3.0), arrival=0.0)
+        plant.advance(np.full(3, 3.0), arrival=0.0)
+    for _ in range(5):
+        lost, kept = (
+            one.advance(np.full(3, -9.0), arrival=np.nan),
+            two.advance(np.full(3, 3.0), 0.0),
+        )
+        assert_array_equal(lost.upper, kept.upper)
+
+
 @settings(max_examples=40, deadline=None)
 @given(
     arrivals=st.lists(st.floats(0.0, 0.01), min_size=12, max_size=12),
