@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The plant of an `IirRig`, with the interface of `Plant`."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +11,7 @@ from satvib_common.iir import IirFilter
 from satvib_plant_sim.batch import checked_voltage, require_equal, trials_of
 from satvib_plant_sim.disturbance import Disturbance
 from satvib_plant_sim.disturbance.mixer import Mixer
-from satvib_plant_sim.iir_rig import IirRig
+from satvib_plant_sim.iir_rig import IirRig, IirStrut
 from satvib_plant_sim.noise import NormalSource
 from satvib_plant_sim.observation import Sample, Truth
 from satvib_plant_sim.plant import Plant
@@ -51,7 +51,7 @@ class IirPlant:
         trials, n = len(rigs), self.struts
         self._mixer = Mixer(disturbances, seeds, [lambda _: 1.0] * trials, self.dt, 1)
         # y(k) sees u(k - delay): the plant filters u(k - 1), so a delay of one needs no coefficient in front
-        self._path = _filters(rigs, lambda s: [0.0] * (s.delay - 1) + list(s.b), lambda s: s.a)
+        self._path = _filters(rigs, lambda s: [*[0.0] * (s.delay - 1), *s.b], lambda s: s.a)
         self._primary = _filters(rigs, lambda s: s.primary_b, lambda s: s.primary_a)
         self._limit = np.array([[r.voltage_limit] for r in rigs])
         self._rms = np.array([[r.noise_rms] for r in rigs])
@@ -99,7 +99,11 @@ class IirPlant:
         return Truth(truth, nothing[..., None], nothing, nothing, nothing, nothing)
 
 
-def _filters(rigs, numerator, denominator):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _filters(
+    rigs: Sequence[IirRig],
+    numerator: Callable[[IirStrut], Sequence[float]],
+    denominator: Callable[[IirStrut], Sequence[float]],
+) -> IirFilter:
     """One filter per strut and trial, padded with zeros to the longest."""
     rows = [[(list(numerator(s)), [1.0, *denominator(s)]) for s in r.models] for r in rigs]
     longest = [max(len(pair[i]) for row in rows for pair in row) for i in (0, 1)]

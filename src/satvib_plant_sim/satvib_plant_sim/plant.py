@@ -161,9 +161,11 @@ class Plant:
             event = self._event
         else:
             command = terminal
-            steps = np.clip(np.rint(np.asarray(arrival) / self.fine_period), 0.0, self.n_fine)
+            late = np.broadcast_to(np.asarray(arrival, dtype=float), (*self.shape, n))
+            steps = np.clip(np.rint(late / self.fine_period), 0.0, self.n_fine)
             event = np.zeros((trials, n, 2))
-            event[..., 0] = np.broadcast_to(steps, (*self.shape, n)).reshape(trials, n)
+            # a step below 0 never comes
+            event[..., 0] = np.where(np.isnan(late), -1.0, steps).reshape(trials, n)
         upper = np.empty((trials, n, self.n_fine))
         lower = np.empty((trials, self.n_fine))
         summary = advance_period(
