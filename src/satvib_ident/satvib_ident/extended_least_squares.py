@@ -57,12 +57,15 @@ class ExtendedLeastSquares(RecursiveLeastSquares):
 
     def update(self, w: Array, y: Array, active: Mask | bool = True) -> Array:
         """Take one sample; `w` is that of the plant, (*shape, p)."""
+        known = np.isfinite(y)
+        if not known.all():
+            y, active = np.where(known, y, 0.0), active & known
         extended = np.concatenate([w, self._residual], axis=-1)
         error: Array = y - ud.dot(extended, self.theta)
         self.correct(extended, error, active)
         left = y - ud.dot(extended, self.theta)
         # a residual beyond the signal itself tells of a wrong noise model; unclipped it would feed on itself
-        self._peak = np.where(np.isfinite(y), np.maximum(np.abs(y), 0.999 * self._peak), self._peak)
+        self._peak = np.maximum(np.minimum(np.abs(y), 1e50), 0.999 * self._peak)
         left = np.minimum(np.maximum(left, -self._peak), self._peak)
         self._residual[..., 1:] = self._residual[..., :-1]
         self._residual[..., 0] = np.where(np.isfinite(left), left, 0.0)

@@ -63,6 +63,8 @@ def _filter(w, y, model, x, xf, yf, uf, z, wf, out):  # type: ignore[no-untyped-
     filtered = new_x
     for i in range(n):
         filtered -= model[i] * xf[i]
+    if not (abs(new_x) < 1e100 and abs(filtered) < 1e100 and abs(new_y) < 1e100):
+        new_x, filtered, new_y = 0.0, 0.0, 0.0
     for i in range(n - 1, 0, -1):
         x[i] = x[i - 1]
         xf[i] = xf[i - 1]
@@ -168,10 +170,15 @@ class InstrumentalVariable(RecursiveLeastSquares):
 
     def update(self, w: Array, y: Array, active: Mask | bool = True) -> Array:
         """Take one sample; the error is y_f - w_f^T theta: y minus the output of the model alone."""
+        known = np.isfinite(y)
+        if not known.all():
+            self.interrupt(~known)
+            y, active = np.where(known, y, 0.0), active & known
         helper = self.auxiliary
         first = helper.update(w, y, active)
         latest = helper.theta[..., : self.count]
         stable = pole_modulus(latest[..., : self.poles]) < STABLE
+        stable = stable & (np.maximum.reduce(np.abs(latest), axis=-1) < 1e50)
         self.model[...] = np.where(stable[..., None], latest, self.model)
         z, wf, yf = _filter(w, y, self.model, self._x, self._xf, self._yf, self._uf)
         late = helper.updates >= self.warm_up

@@ -35,8 +35,10 @@ def _measure(w, error, scale, theta, U, d, gain):  # type: ignore[no-untyped-def
         f = w[j]
         for i in range(j):
             f += U[i, j] * w[i]
+        if not abs(f) < 1e60:
+            return -1.0
         total += f * f * (d[j] * scale)
-    if not (total < 1e280 and abs(error) < 1e140):
+    if not abs(error) < 1e100:
         return -1.0
     before = 1.0
     for j in range(p):
@@ -112,7 +114,7 @@ def measure(w, error, forgetting, limit, active, theta, U, d, gain, alpha):  # t
         d: (p) diagonal factor, changed.
         gain: (p) out, K(k); 0 where nothing changed.
         alpha: () out, 1 + w^T (P / lambda) w; 0 where inactive; -1 where the sample was refused because it is not
-            finite, or so large that its square is not.
+            finite or beyond all bounds (U^T w above 1e60, an error above 1e100).
     """
     if not active:
         alpha[0] = 0.0
