@@ -59,6 +59,7 @@ if TYPE_CHECKING:
 NO_MODEL = reason('no trusted identified model: 0 V')
 UNATTAINABLE = reason('the wanted damping is not attainable within the modulus margin')
 SATURATED = reason('adaptation frozen: the voltage is saturated')
+UNTUNED = reason('the gain is still 0: no ADAPT so far, and adapt_in_control is off')
 IDLE = reason('adaptation frozen: not excited')
 GAINS = ('kp', 'ki', 'kd')
 
@@ -79,6 +80,7 @@ class ModelReference(BasicLaw):
         )
         self._begun: int | None = None
         self._known = np.zeros(shape, dtype=bool)
+        self._untuned = np.ones(shape, dtype=bool)
         self._attainable = np.ones(shape, dtype=bool)
         self._amplitude = np.zeros(shape)
         # several gains are projected together, which costs a pass over the Nyquist curve
@@ -219,7 +221,11 @@ class ModelReference(BasicLaw):
         fine = np.where(self._attainable, 0, UNATTAINABLE)
         if wanted:
             state.adapting = self._adapt(learn, error, eta)
+            self._untuned = self._untuned & ~state.adapting
             fine = np.where(state.adapting, fine, np.where(x.saturated, SATURATED, IDLE))
+        elif phase == Phase.CONTROL:
+            nothing = self._untuned & (self._memory[..., 1] == 0.0) & (self._memory[..., 0] == 0.0)
+            fine = np.where(nothing, UNTUNED, fine)
         state.reason = np.where(self._known, fine, NO_MODEL)
         self._show_gains()
         return np.asarray(u)
@@ -230,6 +236,10 @@ class ModelReference(BasicLaw):
         gains, power = self._memory[..., :3], self._memory[..., place.POWER : place.POWER + 3]
         normalized = 0.0 if p.adaptation_rule == 'mit' else 1.0
         new = move(gains, self._rest, error[..., None], eta, power, normalized, self._rule)
+        if normalized:
+            # e eta / n estimates how far the gain is off: not believed beyond the size of the gain
+            most = self._rule[0] * self._rule[1] * self._scale
+            new = np.minimum(np.maximum(new, gains - most), gains + most)
         effect = np.sqrt(np.maximum(power, eta * eta)) * self._scale
         pick = learn[..., None] & (self._scale > 0.0) & (effect > p.adaptation_floor)
         new = np.where(pick, new, gains)

@@ -319,12 +319,13 @@ class ControllerParameters(LoopParameters):
     feedforward_weight_limit: float = param(
         100.0, 'largest 2-norm of the weights', unit='V/(m/s^2)', above=0.0
     )
-    feedforward_protection_taps: int = param(
-        16,
-        "samples of the response of the lower sensor to the strut's own voltage that are learnt "
-        'in IDENTIFY and taken off the reference; 0: no protection',
-        minimum=0,
-        maximum=512,
+    feedforward_protection_time: float = param(
+        0.04,
+        "length of the response of the lower sensor to the strut's own voltage that is learnt in "
+        'IDENTIFY and taken off the reference; 0: no protection',
+        unit='s',
+        minimum=0.0,
+        maximum=1.0,
         read_only=True,
     )
     feedforward_struts: int = param(
