@@ -6,7 +6,7 @@ White numbers xi from `default_rng([seed, ..., block])` stand at knots, every m 
 the upper band edge). A linear-phase band-pass (Kaiser window, 60 dB) makes the knots' values, scaled so that their
 variance is rms^2; a short windowed sinc, one set of weights per phase, carries them to the fine grid. What depends on
 the band is designed once; a block of knots is filtered when its first sample is asked for (overlap-save). Held per
-trial: two blocks, 16 to 64 kB.
+trial: two blocks, 16 to 64 kB, and the filter.
 """
 
 from collections.abc import Sequence
@@ -97,21 +97,19 @@ class _Row:
         self.seed = seed
         self.start, self.stop = clock.index(settings.start), clock.index(settings.stop)
         self.weights = _interpolation(self.per_knot)
-        self.knots = np.zeros(2 * self.block)
         self.at = -1
 
-    def cover(self, first: int, count: int) -> bool:
-        """Have the knots for fine indices first.. first + count; True when new ones were made."""
+    def cover(self, first: int, count: int, knots: Array) -> None:
+        """Put the knots for fine indices first.. first + count into `knots`, when they are not there."""
         since = max(first - int(self.start), 0)
         lowest = since // self.per_knot
         if (count // self.per_knot) + 2 * REACH + 2 > self.block:
             raise SatvibError('disturbance: high: too high for this sample rate')
         block = lowest // self.block
-        if block == self.at:
-            return False
-        self.at = block
-        self.knots = np.concatenate([self._values(block), self._values(block + 1)])
-        return True
+        if block != self.at:
+            self.at = block
+            knots[: self.block] = self._values(block)
+            knots[self.block : 2 * self.block] = self._values(block + 1)
 
     def _values(self, block: int) -> Array:
         """Knots of one block; always by the same operations, whatever was asked for before."""
@@ -149,8 +147,8 @@ class _RandomBank:
     def evaluate(self, first: int, grid: Array) -> Array:
         """Give the values (rows, len(grid)) at the fine indices first + grid."""
         for i, row in enumerate(self._rows):
-            if row.start <= first + len(grid) and row.cover(first, len(grid)):
-                self._knots[i, : 2 * row.block] = row.knots
+            if row.start <= first + len(grid):
+                row.cover(first, len(grid), self._knots[i])
                 self._table[i, 3] = float(row.at * row.block)
         result: Array = random_values(self._table, self._knots, self._weights, float(first), grid)
         return result
