@@ -72,6 +72,7 @@ class RecursiveLeastSquares:
         self.forgetting: Forgetting = forgetting if forgetting is not None else NoForgetting()
         self.theta = np.broadcast_to(self._theta0, (*shape, count)).copy()
         self.U, self.d = ud.fresh(self._P0, shape)
+        self.error_scale: Array | float = 1.0
         self.updates = np.zeros(shape)
         self.refused = np.zeros(shape)
         self._residuals = np.zeros(shape)

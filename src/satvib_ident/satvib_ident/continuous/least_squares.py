@@ -93,5 +93,6 @@ class ContinuousLeastSquares(RecursiveLeastSquares):
         """Integrate over a sample in which w (*shape, p) and y (shape) stand still; gives -e1 (shape)."""
         error: Array = y - ud.dot(w, self.theta)
         root = np.sqrt(_weight(w, self.step, self.normalization, self.U, self.d))
+        self.error_scale = root
         self.correct(w * root[..., None], error * root, active)
         return error

@@ -44,7 +44,7 @@ class Multisine(PeriodicExcitation):
     def check(self) -> None:
         """Refuse a band with fewer lines than struts."""
         super().check()
-        if self.own_lines.size == 0:
+        if self.interleave and self.lines.size < self.struts:
             raise SatvibError(
                 f'low, high, period: {self.lines.size} lines are too few for {self.struts} struts'
             )

@@ -30,10 +30,10 @@ class DeadZone(NoForgetting):
 
     def apply(
         self,
-        estimator: Factors,  # noqa: ARG002
+        estimator: Factors,
         w: Array,  # noqa: ARG002
         error: Array,
         active: Mask,
     ) -> tuple[Array | float, Array, Mask]:
         """Leave small errors out."""
-        return 1.0, error, active & (np.abs(error) > self.zone)
+        return 1.0, error, active & (np.abs(error) > self.zone * estimator.error_scale)

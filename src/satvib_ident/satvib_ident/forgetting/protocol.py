@@ -12,7 +12,7 @@ Mask = NDArray[np.bool_]
 
 
 class Factors(Protocol):
-    """What a rule may see and change of an estimator."""
+    """What a rule may see and change of an estimator; errors come times `error_scale` (1 but for weighted samples)."""
 
     count: int
     shape: tuple[int, ...]
@@ -20,6 +20,7 @@ class Factors(Protocol):
     U: Array
     d: Array
     limit: float
+    error_scale: Array | float
 
     def reset_covariance(self, mask: Mask | bool = True) -> None:
         """P <- P(0) where `mask` (shape) holds."""
