@@ -89,7 +89,7 @@ class Identification:
     def reason(self) -> str:
         """Why the model of a single strut may not be believed; of a batch, the first reason."""
         failed = np.argwhere(self.verdict.failed)
-        return self.verdict.reason(tuple(failed[0])) if failed.size else ''
+        return self.verdict.reason(tuple(failed[0])) if len(failed) else ''
 
 
 class IdentifierCore:
