@@ -202,7 +202,11 @@ def test_verdicts_name_what_is_wrong(record):
         ({}, record('sines'), 'the input excites order 4, 5 parameters need 5'),
         ({}, record(amplitude=0.0), '0 samples used of 50'),
         ({}, record(noise=3.0, amplitude=1.0), 'response uncertain by'),
-        ({}, (record(noise=0.01, delay=4)[0], record()[1]), 'the residual still answers to the'),
+        (
+            {'trust_deviation': 9.0},
+            (record(noise=0.01, delay=4)[0], record()[1]),
+            'the residual still answers to the input',
+        ),
         ({'trust_pole_modulus': 0.1}, record(), 'unstable: pole modulus 0.397'),
         ({'trust_condition': 1.5}, record(), 'ill-conditioned information'),
         ({'trust_whiteness': 1e-3, 'trust_deviation': 9.0}, record(noise=0.05), 'not white: Q/h'),
