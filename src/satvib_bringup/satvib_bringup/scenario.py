@@ -38,6 +38,7 @@ _SET_BY = {
     'lockstep': 'the way of running sets it',
     'model_period': 'set the model_period of the scenario, for all nodes at once',
     'strut': 'every strut gets its own',
+    'struts': 'the rig sets it, struts.count',
 }
 
 
@@ -97,7 +98,7 @@ class Scenario(Schema):
         if not self.phases:
             raise SatvibError('phases: at least one is needed')
         for section in ('identifier', 'controller'):
-            for key in (*_SHARED, 'strut'):
+            for key in _SET_BY:
                 if key in getattr(self, section):
                     raise SatvibError(f'{section}.{key}: {_SET_BY[key]}')
         for name in ('uncontrolled', 'controlled'):
@@ -145,8 +146,9 @@ class Scenario(Schema):
         """Give the parameters of a strut's controller; `rate` in Hz, `strut` counts from 0."""
         from satvib_control.parameters import ControllerParameters
 
+        own = {'strut': strut, 'struts': self.load_rig().struts.count}
         return ControllerParameters.from_mapping(
-            self.controller | self._shared(rate, lockstep) | {'strut': strut},
+            self.controller | self._shared(rate, lockstep) | own,
             f'scenario {self.name}: controller',
         )
 

@@ -1,6 +1,14 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""A study: every law on every rig under every disturbance, each cell a run of the offline twin."""
+"""A study: scenarios varied along named axes, every combination a run of the offline twin.
+
+    base: {keys of a scenario that all cells share}
+    axes:
+      rig:         {paper_3dof: {rig: paper_3dof}, ...}
+      law:         {narrowband: {controller: {law: narrowband}}, ...}
+
+Each label of an axis holds further keys of a scenario; later axes win, nested mappings are merged.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +17,7 @@ import os
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
@@ -19,7 +28,7 @@ from satvib_common.schema import Schema, load_yaml, param
 
 from satvib_bringup.overrides import apply_overrides
 from satvib_bringup.scenario import Scenario, check_scenario
-from satvib_bringup.settings import nearest, resolve_path
+from satvib_bringup.settings import nearest
 
 FOLDER = Path(__file__).parent / 'studies'
 KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')
@@ -27,50 +36,60 @@ KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')
 
 @dataclass(frozen=True, kw_only=True)
 class Study(Schema):
-    """What is varied: three axes, by name, over a base that all cells share."""
+    """What is varied, over a base that all cells share."""
 
     name: str = param(description='name of the study')
     description: str = param('', 'what it shows')
     base: dict[str, Any] = param(description='keys of a scenario that all cells share')
-    rigs: dict[str, Any] = param(description='by name: further keys of a scenario, with rig')
-    disturbances: dict[str, Any] = param(description='by name: a disturbance')
-    laws: dict[str, Any] = param(description="by name: a controller's settings, with law")
+    axes: dict[str, Any] = param(description='by name of the axis: by label: keys of a scenario')
+
+    def check(self) -> None:
+        """Check the shape of the axes; their keys are checked cell by cell."""
+        if not self.axes:
+            raise SatvibError('axes: at least one is needed')
+        for name, axis in self.axes.items():
+            if not isinstance(axis, dict) or not axis:
+                raise SatvibError(f'axes.{name}: a mapping of labels is expected')
+            for label, keys in axis.items():
+                if not isinstance(keys, dict):
+                    raise SatvibError(f'axes.{name}.{label}: a mapping of keys is expected')
 
     def cells(self) -> list[Cell]:
-        """Every combination, checked.
+        """Every combination, checked, the last axis fastest.
 
         Raises:
             SatvibError: a cell that is no scenario; the cell is named.
         """
-        return [
-            Cell(rig, disturbance, law, self._scenario(rig, disturbance, law))
-            for rig in self.rigs
-            for disturbance in self.disturbances
-            for law in self.laws
-        ]
+        return [self._cell(labels) for labels in product(*self.axes.values())]
 
-    def _scenario(self, rig: str, disturbance: str, law: str) -> Scenario:
-        where = f'study {self.name}: {rig}, {disturbance}, {law}'
-        data = {
-            **self.base,
-            **self.rigs[rig],
-            'name': self.name,
-            'disturbance': self.disturbances[disturbance],
-            'controller': {**self.base.get('controller', {}), **self.laws[law]},
-        }
+    def _cell(self, labels: tuple[str, ...]) -> Cell:
+        named = dict(zip(self.axes, labels, strict=True))
+        data: dict[str, Any] = {'name': self.name, **self.base}
+        for axis, label in named.items():
+            data = merged(data, self.axes[axis][label])
+        where = f'study {self.name}: {", ".join(labels)}'
         scenario = Scenario.from_mapping(data, where)
         check_scenario(scenario, where)
-        return scenario
+        return Cell(named, scenario)
 
 
 @dataclass(frozen=True)
 class Cell:
-    """One combination."""
+    """One combination: its label on every axis, and the scenario."""
 
-    rig: str
-    disturbance: str
-    law: str
+    labels: dict[str, str]
     scenario: Scenario
+
+
+def merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    """Merge two mappings into a new one; nested mappings are merged, of other values the upper one wins."""
+    result = dict(below)
+    for key, value in above.items():
+        old = result.get(key)
+        if isinstance(old, dict) and isinstance(value, dict):
+            value = merged(old, value)
+        result[key] = value
+    return result
 
 
 def study_names() -> list[str]:
@@ -99,15 +118,7 @@ def load_study(name_or_path: str | Path, overrides: list[str] | None = None) -> 
     if not isinstance(data, dict):
         raise SatvibError(f'{path}: a mapping of keys is expected')
     apply_overrides(data, overrides or [])
-    study = Study.from_mapping(data, str(path))
-    for name, keys in study.rigs.items():
-        if not isinstance(keys, dict) or 'rig' not in keys:
-            raise SatvibError(f'{path}: rigs.{name}: a mapping with the key rig is expected')
-        keys['rig'] = resolve_path(str(keys['rig']), path.parent)
-    for name, keys in study.laws.items():
-        if not isinstance(keys, dict):
-            raise SatvibError(f'{path}: laws.{name}: a mapping is expected')
-    return study
+    return Study.from_mapping(data, str(path))
 
 
 def run_cell(cell: Cell) -> dict[str, Any]:
@@ -127,9 +138,7 @@ def run_cell(cell: Cell) -> dict[str, Any]:
         'largest_voltage': e.largest_voltage,
     }
     return {
-        'rig': cell.rig,
-        'disturbance': cell.disturbance,
-        'law': cell.law,
+        'labels': cell.labels,
         'seed': cell.scenario.seed,
         'struts': {name: _plain(values) for name, values in figures.items()},
         'worst': {name: _worst(values) for name, values in figures.items()},

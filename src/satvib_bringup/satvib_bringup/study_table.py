@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The rows of a study as Markdown tables, one per rig."""
+"""The rows of a study as Markdown tables."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -18,22 +18,26 @@ COLUMNS = (
 
 
 def markdown(rows: Sequence[dict[str, Any]]) -> str:
-    """Give one table per rig; of several struts the worst is shown. What a law said is below its table."""
+    """Give one table per label of the first axis; of several struts the worst is shown.
+
+    What the laws said at the end is below each table.
+    """
+    first, *axes = rows[0]['labels']
     parts = []
-    for rig in dict.fromkeys(row['rig'] for row in rows):
-        mine = [row for row in rows if row['rig'] == rig]
+    for head in dict.fromkeys(row['labels'][first] for row in rows):
         lines = [
-            f'### {rig}',
+            f'### {head}',
             '',
-            '| disturbance | law | ' + ' | '.join(heading for _, heading in COLUMNS) + ' |',
-            '|---|---|' + '---:|' * len(COLUMNS),
+            '| ' + ' | '.join([*axes, *(heading for _, heading in COLUMNS)]) + ' |',
+            '|' + '---|' * len(axes) + '---:|' * len(COLUMNS),
         ]
         told: dict[str, int] = {}
-        for row in mine:
-            cells = [_number(row['worst'][name], name) for name, _ in COLUMNS]
-            marks = [told.setdefault(text, len(told) + 1) for text in row['reasons']]
-            mark = ''.join(f' [{number}]' for number in sorted(marks))
-            lines.append(f'| {row["disturbance"]} | {row["law"]}{mark} | {" | ".join(cells)} |')
+        for row in (row for row in rows if row['labels'][first] == head):
+            cells = [row['labels'][axis] for axis in axes]
+            cells += [_number(row['worst'][name], name) for name, _ in COLUMNS]
+            marks = sorted(told.setdefault(text, len(told) + 1) for text in row['reasons'])
+            cells[-1] += ''.join(f' [{number}]' for number in marks)
+            lines.append(f'| {" | ".join(cells)} |')
         lines += ['', *(f'[{number}] {text}.  ' for text, number in told.items())]
         parts.append('\n'.join(lines).rstrip())
     return '\n\n'.join(parts) + '\n'

@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Studies: every cell a scenario, the rows the same on any number of processes."""
 
+import math
+
 import pytest
 import yaml
 from satvib_bringup.analysis import analyse
 from satvib_bringup.closed_loop import simulate
-from satvib_bringup.study import FOLDER, load_study, run_study, study_names
+from satvib_bringup.study import FOLDER, load_study, merged, run_study, study_names
 from satvib_bringup.study_table import COLUMNS, markdown
 from satvib_common.errors import SatvibError
 
@@ -18,16 +20,25 @@ SMALL = {
         'phases': [{'phase': 'CALIBRATE'}, {'phase': 'CONTROL', 'start': 0.5}],
         'analysis': {'controlled': [1.0, 2.0]},
     },
-    'rigs': {'stiff': {'rig': 'paper_1dof'}},
-    'disturbances': {'10 Hz': {'kind': 'sine', 'frequency': 10, 'amplitude': 1, 'start': 0.5}},
-    'laws': {'none': {'law': 'off'}, 'velocity': {'law': 'velocity_feedback'}},
+    'axes': {
+        'rig': {'stiff': {'rig': 'paper_1dof'}},
+        'disturbance': {
+            '10 Hz': {
+                'disturbance': {'kind': 'sine', 'frequency': 10, 'amplitude': 1, 'start': 0.5}
+            }
+        },
+        'law': {
+            'none': {'controller': {'law': 'off'}},
+            'velocity': {'controller': {'law': 'velocity_feedback'}},
+        },
+    },
 }
 
 
 @pytest.fixture
 def small(tmp_path):
     path = tmp_path / 'small.yaml'
-    path.write_text(yaml.safe_dump(SMALL))
+    path.write_text(yaml.safe_dump(SMALL, sort_keys=False))
     return path
 
 
@@ -56,7 +67,7 @@ def test_the_table_shows_every_cell(small):
 
 def test_overrides_reach_the_base(small):
     """Truth: the values given."""
-    study = load_study(small, ['base.seed=9', 'laws.velocity.velocity_gain=20'])
+    study = load_study(small, ['base.seed=9', 'axes.law.velocity.controller.velocity_gain=20'])
     cell = study.cells()[1]
     assert cell.scenario.seed == 9
     assert cell.scenario.controller['velocity_gain'] == 20
@@ -66,20 +77,20 @@ def test_overrides_reach_the_base(small):
 def test_every_study_of_the_package_is_made_of_scenarios(name):
     """Truth: the product of its axes."""
     study = load_study(name)
-    axes = yaml.safe_load((FOLDER / f'{name}.yaml').read_text())
-    count = len(axes['rigs']) * len(axes['disturbances']) * len(axes['laws'])
-    assert len(study.cells()) == count
+    axes = yaml.safe_load((FOLDER / f'{name}.yaml').read_text())['axes']
+    assert len(study.cells()) == math.prod(len(axis) for axis in axes.values())
 
 
 @pytest.mark.parametrize(
     ('override', 'told'),
     [
-        ('lows={}', 'lows: no such key; did you mean laws?'),
-        ('rigs.stiff=3', 'rigs.stiff: a mapping with the key rig'),
-        ('rigs.stiff.rig=none_such', 'no such rig'),
-        ('laws.velocity=3', 'laws.velocity: a mapping'),
-        ('laws.velocity.law=magic', "'magic' is not one of"),
-        ('disturbances.10 Hz.kind=quake', "'quake'"),
+        ('axis={}', 'axis: no such key; did you mean axes?'),
+        ('axes={}', 'axes: at least one is needed'),
+        ('axes.rig=3', 'axes.rig: a mapping of labels'),
+        ('axes.rig.stiff=3', 'axes.rig.stiff: a mapping of keys'),
+        ('axes.rig.stiff.rig=none_such', 'no such rig'),
+        ('axes.law.velocity.controller.law=magic', "'magic' is not one of"),
+        ('axes.disturbance.10 Hz.disturbance.kind=quake', "'quake'"),
         ('base.durration=3', 'durration: no such key; did you mean duration?'),
     ],
 )
@@ -91,3 +102,10 @@ def test_a_wrong_study_is_named(small, override, told):
     assert '\n' not in str(caught.value)
     with pytest.raises(SatvibError, match='did you mean laws'):
         load_study('lawz')
+
+
+def test_later_axes_win_and_nested_keys_are_merged():
+    """Truth: by hand."""
+    below = {'a': {'x': 1, 'y': 2}, 'b': 3}
+    assert merged(below, {'a': {'y': 5}, 'b': {'z': 1}}) == {'a': {'x': 1, 'y': 5}, 'b': {'z': 1}}
+    assert below == {'a': {'x': 1, 'y': 2}, 'b': 3}

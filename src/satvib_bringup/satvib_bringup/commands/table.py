@@ -15,7 +15,7 @@ def table(
     ] = 'laws',
     only: Annotated[
         list[str] | None,
-        typer.Option('--only', help='Keep cells whose rig, disturbance or law has this name.'),
+        typer.Option('--only', help='Keep the cells with this label; may be given many times.'),
     ] = None,
     settings: Settings = None,
     jobs: Annotated[
@@ -40,7 +40,7 @@ def table(
     loaded = load_study(study, settings)
     cells = loaded.cells()
     for name in only or []:
-        cells = [c for c in cells if name in {c.rig, c.disturbance, c.law}]
+        cells = [c for c in cells if name in c.labels.values()]
         if not cells:
             raise SatvibError(f'--only {name}: no cell is left')
     target = free_run_folder(f'table-{loaded.name}', folder)
