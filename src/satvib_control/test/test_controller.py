@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
@@ -238,7 +240,7 @@ def test_the_output_fills_the_message(make_isolator, make_loop, settings, paper_
     _, out = loop.step()
     fields = out.fields()
     node = {'header', 'time_step', 'compute_time'}
-    path = __import__('pathlib').Path(__file__).parents[2] / 'satvib_msgs/msg/ControllerState.msg'
+    path = Path(__file__).parents[2] / 'satvib_msgs/msg/ControllerState.msg'
     names = {
         line.split()[1]
         for line in path.read_text().splitlines()
@@ -283,3 +285,19 @@ def test_laws_are_made_by_name_and_sums_too(settings):
     law = make_law('velocity_feedback + model_reference', p, 0.01)
     assert isinstance(law, LawSum)
     assert [type(part).__name__ for part in law.parts] == ['VelocityFeedback', 'ModelReference']
+
+
+def test_the_law_of_the_documentation_runs(
+    make_isolator, make_loop, settings, monkeypatch, tmp_path
+):
+    """Truth: docs/laws.md itself: its code, as a module, chosen by name; a virtual mass of either polarity."""
+    path = Path(__file__).parents[3] / 'docs' / 'laws.md'
+    code = path.read_text(encoding='utf-8').split('```python\n')[1].split('```')[0]
+    (tmp_path / 'law_of_the_docs.py').write_text(code, encoding='utf-8')
+    monkeypatch.syspath_prepend(tmp_path)
+    p = settings(sample_rate=RATE, law='law_of_the_docs:VirtualMass', switch_on_time=0.0)
+    plan = PhasePlan((Phase.STANDBY, Phase.IDENTIFY, Phase.CONTROL), (0, 1, 2), 100)
+    loop = make_loop(p, make_isolator(RATE), plan)
+    loop.run(5)
+    y, out = loop.step(0.5)
+    assert abs(float(out.voltage)) == pytest.approx(0.2 * abs(float(y)))
