@@ -295,7 +295,12 @@ def test_the_law_of_the_documentation_runs(
     code = path.read_text(encoding='utf-8').split('```python\n')[1].split('```')[0]
     (tmp_path / 'law_of_the_docs.py').write_text(code, encoding='utf-8')
     monkeypatch.syspath_prepend(tmp_path)
-    p = settings(sample_rate=RATE, law='law_of_the_docs:VirtualMass', switch_on_time=0.0)
+    p = settings(
+        sample_rate=RATE,
+        law='law_of_the_docs:VirtualMass',
+        switch_on_time=0.0,
+        excitation_amplitude=0.0,
+    )
     plan = PhasePlan((Phase.STANDBY, Phase.IDENTIFY, Phase.CONTROL), (0, 1, 2), 100)
     loop = make_loop(p, make_isolator(RATE), plan)
     loop.run(5)
