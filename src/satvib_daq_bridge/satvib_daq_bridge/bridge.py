@@ -25,6 +25,9 @@ from satvib_daq_bridge.timing import Timing
 
 Array = NDArray[np.float64]
 
+# times the longest silence, in every state but ACTIVE
+_IDLE_PATIENCE = 10.0
+
 
 @dataclass(frozen=True)
 class Published:
@@ -191,9 +194,12 @@ class Bridge:
         return None
 
     def tick(self, now: float) -> None:
-        """Watch the silence of the device."""
+        """Watch the silence of the device; at 0 V there is more patience."""
         silence = now - self._silent_since
-        if silence > self.parameters.silence and not self.virtual:
+        allowed = self.parameters.silence
+        if self.states.state is not State.ACTIVE:
+            allowed *= _IDLE_PATIENCE
+        if silence > allowed and not self.virtual:
             self.states.fault(
                 f'no sample for {silence * 1e3:.0f} ms: the device or its line stalls'
             )

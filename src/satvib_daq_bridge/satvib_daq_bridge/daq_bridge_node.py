@@ -164,8 +164,10 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         while self.transitions:
             transition = self.transitions.pop(0)
             failed = transition.after in _LATCHED
-            say = self.get_logger().error if failed else self.get_logger().info
-            say(str(transition))
+            if failed:  # rclpy wants one place in the source for each severity
+                self.get_logger().error(str(transition))
+            else:
+                self.get_logger().info(str(transition))
             figures = {'state': transition.after.name, 'before': transition.before.name}
             figures['reason'] = transition.reason
             complaint = str(transition) if failed else ''

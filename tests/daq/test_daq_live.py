@@ -1,0 +1,143 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The real node, guardian and serial line against the emulator. Truth: the states' diagram; the device's terminals."""
+
+import pytest
+
+LOOPBACK = {'back_end': 'loopback', 'options': {'pace': 'lockstep'}}
+
+
+def test_a_whole_life(stand):
+    """Configure, learn, arm, drive, stop, arm again, estop, reset, SIGTERM: each state in its turn with its reason, and
+    exit code 0. In lockstep, so that no machine is too slow for it."""
+    stand.write_channels(**LOOPBACK)
+    stand.start_bridge(wait_for_schedule=False)
+    stand.until_state('IDLE')
+    stand.start_answerers()
+    stand.drive()
+    assert stand.call('stop') == (True, '0 V, IDLE')
+    stand.until_state('IDLE')
+    assert stand.call('reset')[0] is False
+    stand.drive()
+    assert stand.call('estop')[0]
+    stand.until_state('ESTOP')
+    granted, why = stand.call('arm')
+    assert not granted
+    assert 'refused in ESTOP' in why
+    assert stand.call('reset')[0]
+    stand.until_state('IDLE')
+    stand.drive()
+    assert stand.end('bridge') == [0]
+    assert 'Traceback' not in stand.said('bridge')
+    stand.until_state('IDLE')
+    once = ['IDLE', 'ARMED', 'ACTIVE']
+    told = [state for state, _ in stand.states]
+    assert told == [*once, *once, 'ESTOP', *once, 'IDLE']
+    assert all(reason for _, reason in stand.states)
+
+
+def test_bad_channels_are_refused_at_configure_in_one_line(stand):
+    """Truth: exit code 2 and one line that names file and channel."""
+    stand.write_channels(coil={'gain': 1.0})
+    bridge = stand.start_bridge()
+    assert bridge.wait(60) == 2
+    (line,) = [text for text in stand.said('bridge').splitlines() if 'strut_1' in text]
+    assert line.startswith('daq_bridge: ')
+    assert 'channels.yaml: strut_1: coil.limit: 20 V at the coil is 20 V at the converter' in line
+    assert 'Traceback' not in stand.said('bridge')
+
+
+def test_a_device_that_is_not_there_is_said_in_one_line(stand):
+    stand.write_channels()
+    bridge = stand.start_bridge()
+    assert bridge.wait(60) == 2
+    assert 'the port cannot be opened' in stand.said('bridge')
+    assert 'Traceback' not in stand.said('bridge')
+
+
+def test_a_second_publisher_is_refused(stand):
+    """While it drives, as a fault; and at arming, with the reason."""
+    stand.write_channels(**LOOPBACK)
+    stand.start_bridge(wait_for_schedule=False)
+    stand.start_answerers()
+    stand.until_state('IDLE')
+    stand.drive()
+    from satvib_common.ros.qos import offered
+
+    from satvib_msgs.msg import VcaVoltage
+
+    publisher = stand._node.create_publisher(VcaVoltage, '/strut_2/voltage', offered(1))
+    stand.until_state('FAULT')
+    assert '2 publishers on strut_2/voltage' in stand.states[-1][1]
+    stand.call('reset')
+    granted, why = stand.call('arm')
+    assert not granted
+    assert '2 publishers on strut_2/voltage' in why
+    stand._node.destroy_publisher(publisher)
+    stand.drive()
+
+
+def test_an_unplugged_device_and_its_return(stand):
+    """The device goes: FAULT with its reason. It is back: reset opens it again, and the samples count on."""
+    stand.write_channels()
+    stand.start_emulator()
+    stand.start_bridge(wait_for_schedule=False)
+    stand.start_answerers()
+    stand.until_state('IDLE')
+    stand.drive()
+    stand.kill('emulator')
+    stand.children.pop('emulator').wait(60)
+    stand.port.unlink()
+    stand.until_state('FAULT')
+    # on a busy machine the silence may be noticed before the end
+    assert any(t in stand.states[-1][1] for t in ('the line is gone', 'stale', 'no sample'))
+    stand.latest.clear()
+    stand.until(lambda: 'sequence' in stand.latest, 'figures')
+    before = int(stand.latest['sequence'])
+    granted, why = stand.call('reset')
+    assert not granted
+    assert 'the port cannot be opened' in why
+    stand.start_emulator()
+    assert stand.call('reset')[0]
+    stand.until_state('IDLE')
+    stand.drive()
+    stand.latest.clear()
+    stand.until(lambda: 'sequence' in stand.latest, 'figures')
+    assert int(stand.latest['sequence']) > before
+
+
+EVERYTHING = ('guardian', 'bridge', 'answerer_1', 'answerer_2')
+
+
+@pytest.mark.parametrize(
+    'victims', [('bridge',), ('guardian',), ('answerer_1',), EVERYTHING], ids='+'.join
+)
+def test_kill_9(stand, victims):
+    """SIGKILL of each part and of all at once: 0 V at the terminals, and FAULT where there is a bridge to say so. How
+    long it takes is measured by benchmarks/daq_kill.py."""
+    stand.write_channels()
+    stand.start_emulator()
+    stand.start_bridge(wait_for_schedule=False)
+    stand.start_answerers()
+    stand.until_state('IDLE')
+    stand.drive()
+    moment = stand.kill(*victims)
+    _, why = stand.zero_after(moment)
+    assert why
+    if 'bridge' not in victims:
+        stand.until_state('FAULT')
+
+
+def test_a_guardian_that_was_killed_is_replaced_by_reset(stand):
+    stand.write_channels()
+    stand.start_emulator()
+    stand.start_bridge(wait_for_schedule=False)
+    stand.start_answerers()
+    stand.until_state('IDLE')
+    stand.drive()
+    stand.zero_after(stand.kill('guardian'))
+    stand.until_state('FAULT')
+    assert 'guardian was killed by SIGKILL' in stand.states[-1][1] or 'stale' in stand.states[-1][1]
+    assert stand.call('reset')[0]
+    stand.until_state('IDLE')
+    stand.drive()
