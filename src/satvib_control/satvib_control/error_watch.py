@@ -9,8 +9,9 @@ Listening. With its own voltage at 0 the law measures how much of the reference 
 over the watch time. It learns meanwhile, for the modified form of `fxlms` needs no voltage to learn from, and then
 lets its voltage in over another half of the watch time: what comes out first has been learnt from many samples.
 
-A vibration that is not from below. A payload that rings shakes the lower plate too. Where <d_hat^2> > 30^2 <x^2> (while listening also <y^2>) the
-reference is too small for what it is to explain (no passive isolator amplifies so much) and nothing is learnt.
+A vibration that is not from below. A payload that rings shakes the lower plate too. Where <d_hat^2> > 30^2 <x^2>
+(while listening also <y^2>) the reference is too small for what it is to explain, for no passive isolator amplifies as
+much, and nothing is learnt.
 
 Backing off. A secondary path that is wrong by more than 90 degrees makes every gradient law climb instead of descend,
 and no test that uses the model alone can see it. It is an alarm when

@@ -96,12 +96,13 @@ class Feedforward(BasicLaw):
         self._boost = np.ones(shape)
         self._settle = 3.0 / (2.0 * math.pi * p.feedforward_motion_corner * dt)
         self._settle = math.ceil(self._settle) if p.feedforward_motion else 0
-        self.protection = ReferenceProtection(p.feedforward_protection_taps, shape)
+        self.protection = ReferenceProtection(round(p.feedforward_protection_time / dt), shape)
         self.weights = np.zeros((*shape, size))
-        self._lines = np.zeros((*shape, 2, size))
-        self._motion = np.zeros((*shape, 2, MOTION))
+        rows = 3 if self._poles else 2
+        self._lines = np.zeros((*shape, rows, size))
+        self._motion = np.zeros((*shape, rows, MOTION))
         self._before = np.zeros((*shape, 2))
-        self._voltages = np.zeros((*shape, max(p.feedforward_protection_taps, 1)))
+        self._voltages = np.zeros((*shape, max(self.protection.taps, 1)))
         self._room(2)
         self._power = np.zeros((*shape, 2))
         self._U = np.zeros((*shape, size, size))
@@ -179,7 +180,7 @@ class Feedforward(BasicLaw):
         ]
         run_line(
             lower, applied, own, self.protection.reaction, self._num, self._den,
-            self._coefficients, self._sizes, *fresh,
+            self._coefficients, self._sizes, self.weights, *fresh,
         )  # fmt: skip
         voltages, before, filters, motion, lines = fresh
         if not reference_too:  # what u is made of stays as it is, to the last bit
@@ -206,7 +207,7 @@ class Feedforward(BasicLaw):
         reference, effect = run_line(
             lower[..., None], x.applied[..., None], own[..., None],
             self.protection.reaction, self._num, self._den, self._coefficients, self._sizes,
-            self._voltages, self._before, self._filters, self._motion, self._lines,
+            self.weights, self._voltages, self._before, self._filters, self._motion, self._lines,
         )  # fmt: skip
         reference, effect = reference[..., 0], effect[..., 0]
         self._past[:, self._next] = lower, x.applied, own
@@ -257,7 +258,7 @@ class Feedforward(BasicLaw):
 
     def _adapt(self, error: Array, active: Mask, cut: Mask, verdict: Array) -> None:
         """Move the weights and keep them within their bounds."""
-        p, filtered = self.parameters, self._lines[..., 1, :]
+        p, filtered = self.parameters, self._lines[..., -1, :]
         pace, settings = self._watch[..., PACE], self._settings
         settings[..., 1] = np.minimum(p.feedforward_leak * self._boost, 1.0)
         if p.feedforward_method == 'fxlms':
@@ -266,9 +267,11 @@ class Feedforward(BasicLaw):
             norm = fxlms(filtered, error, active, settings, self.weights, power)
         else:
             settings[..., 0] = pace
+            through = self._lines[..., 1, : self.weights.shape[-1] - self._poles]
             norm = fxrls(
-                filtered, error, active, settings, self.weights, self._U, self._d, self._power
-            )
+                filtered, error, inner(through, through), active, settings,
+                self.weights, self._U, self._d, self._power,
+            )  # fmt: skip
         limit = p.feedforward_weight_limit
         scale = np.where(norm > limit * limit, limit / np.sqrt(np.maximum(norm, 1e-300)), 1.0)
         scale = np.where(cut, scale * (1.0 - min(self.dt / RAIL_TIME, 1.0)), scale)

@@ -6,10 +6,15 @@
 
 The reference may hold the strut's own reaction, x = x_0 + F u, and the best filter for it is W / (1 + W F): recursive,
 even where W is not. Filtered-u finds it (Eriksson 1991, J. Acoust. Soc. Am. 89, 257): the past voltages are part of the
-regressor, and their filtered twins G_hat u part of phi_f. The weights move by pseudo-linear regression with the
-least squares of `fxrls`.
+regressor, and their filtered twins G_hat u part of phi_f. Eriksson moves the weights along phi_f, which is the gradient
+only if C = sum c_i z^-i is small. Here it is the exact one for slow changes,
 
-Nothing in that keeps 1 - sum c_i z^-i stable, and its error is not quadratic. So after each step the poles are drawn
+    dy / dw_i = G phi_i / (1 - C):    phi_g = phi_f / (1 - C),
+
+with the least squares of `fxrls`: the recursive prediction error method (Ljung 1999, section 11.5) instead of
+pseudo-linear regression. Measured on the stiff rig with random vibration the latter rang and had to be backed off.
+
+Nothing in that keeps 1 - C stable, and the error has more than one minimum. So after each step the poles are drawn
 inside the circle of radius r: c_i <- g^i c_i with the largest g of 0.99^n that does it, which scales every pole by g.
 """
 
@@ -18,7 +23,7 @@ from numba import njit
 from satvib_common.kernel import kernel
 
 
-@njit(cache=True)
+@njit
 def _inside(c, scale, work, other):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Whether all roots of 1 - sum c_i scale^i z^-i lie inside the unit circle (Schur-Cohn, step-down)."""
     order = c.shape[0]

@@ -29,7 +29,7 @@ SMALLEST, LARGEST = 1e-150, 1e150
 TINY = 1e-30
 
 
-@njit(cache=True)
+@njit
 def _measure(w, error, pace, theta, U, d, gain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Bierman's update of (theta, U, d) by one measurement of unit variance with regressor w."""
     p = d.shape[0]
@@ -52,7 +52,7 @@ def _measure(w, error, pace, theta, U, d, gain):  # type: ignore[no-untyped-def]
         theta[j] += pace * error * (gain[j] / before)
 
 
-@njit(cache=True)
+@njit
 def _pull(j, weight, pace, theta, U, d, gain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """The same for the line sqrt(weight) theta_j = 0, whose regressor has one element only."""
     p = d.shape[0]
@@ -78,22 +78,23 @@ def _pull(j, weight, pace, theta, U, d, gain):  # type: ignore[no-untyped-def]  
 
 
 @kernel(
-    'void(f8[:], f8, b1, f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:])',
-    '(p),(),(),(n),(p),(p,p),(p),(o)->()',
+    'void(f8[:], f8, f8, b1, f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:])',
+    '(p),(),(),(),(n),(p),(p,p),(p),(o)->()',
     writable=('weights', 'U', 'd', 'memory'),
 )
-def fxrls(regressor, error, active, settings, weights, U, d, memory, norm):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def fxrls(regressor, error, power, active, settings, weights, U, d, memory, norm):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """One step of the weights and of P = U D U^T, in place.
 
     Args:
         regressor: (p) phi_f.
         error: () e of the present weights, m/s^2.
+        power: () |phi_f|^2 that the leak is a share of.
         active: () bool; nothing changes where it is false.
         settings: (4) pace (0 to 1), leak q, 1 - lambda, not used.
         weights: (p) V/(m/s^2), changed.
         U: (p, p) unit upper triangular, changed.
         d: (p) diagonal, changed; set anew when the mean power is 0.
-        memory: (2) mean of |phi_f|^2 and the next j, changed.
+        memory: (2) mean of the power and the next j, changed.
         norm: () out, 2-norm of the weights squared.
     """
     p = regressor.shape[0]
@@ -101,16 +102,16 @@ def fxrls(regressor, error, active, settings, weights, U, d, memory, norm):  # t
     total = 0.0
     for i in range(p):
         total += regressor[i] * regressor[i]
-    if active and TINY < total < 1e140 and abs(error) < 1e140:
+    if active and power > TINY and total < 1e140 and abs(error) < 1e140:
         gain = np.zeros(p)
         if memory[0] == 0.0:
-            memory[0] = total
+            memory[0] = power
             for i in range(p):
-                d[i] = p * share / (leak * total)
+                d[i] = p * share / (leak * power)
                 for j in range(p):
                     U[i, j] = 1.0 if i == j else 0.0
         else:
-            memory[0] += share * (total - memory[0])
+            memory[0] += share * (power - memory[0])
         for i in range(p):
             d[i] = min(d[i] / (1.0 - share), LARGEST)
         _measure(regressor, -error, pace, weights, U, d, gain)

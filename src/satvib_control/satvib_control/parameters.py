@@ -347,6 +347,11 @@ class ControllerParameters(LoopParameters):
                 f'excitation_amplitude: {self.excitation_amplitude} V is more than voltage_limit, '
                 f'{self.voltage_limit} V'
             )
+        if self.feedforward_poles > self.feedforward_taps:
+            raise SatvibError(
+                f'feedforward_poles: {self.feedforward_poles} are more than feedforward_taps, '
+                f'{self.feedforward_taps}'
+            )
         nyquist = 0.5 * self.sample_rate
         if 'narrowband' in self.law:
             high = self.narrowband_high or 0.45 * self.sample_rate

@@ -17,7 +17,7 @@ by Tustin's rule, and are scaled by w_0 = 2 pi 10 rad/s so that all weights are 
 
 Filtered-x: phi_f = G_hat phi. G_hat is linear and so are the filters above: phi_f is made like phi, from x_f = G_hat x
 and u_f = G_hat u. The same kernel runs over a whole history when G_hat changes, so that a new model finds phi_f and its
-filters as if it had been there all the time.
+filters as if it had been there all the time. With poles there is also phi_g = phi_f / (1 - C), see `filtered_u`.
 """
 
 import math
@@ -89,8 +89,8 @@ def _push(line, taps, motion, poles, x, v, s, u):  # type: ignore[no-untyped-def
 
 
 @kernel(
-    'void(f8[:],f8[:],f8[:],f8[:],f8[:],f8[:],f8[:],i8[:],f8[:],f8[:],f8[:,:],f8[:,:],f8[:,:],f8[:],f8[:])',
-    '(t),(t),(t),(r),(m),(m),(c),(z),(r),(q),(g,m),(h,d),(l,p)->(t),(t)',
+    'void(f8[:],f8[:],f8[:],f8[:],f8[:],f8[:],f8[:],i8[:],f8[:],f8[:],f8[:],f8[:,:],f8[:,:],f8[:,:],f8[:],f8[:])',
+    '(t),(t),(t),(r),(m),(m),(c),(z),(p),(r),(q),(g,m),(l,d),(l,p)->(t),(t)',
     writable=('voltages', 'before', 'filters', 'motion', 'lines'),
 )
 def run_line(  # type: ignore[no-untyped-def]  # noqa: ANN201
@@ -102,6 +102,7 @@ def run_line(  # type: ignore[no-untyped-def]  # noqa: ANN201
     den,  # noqa: ANN001
     coefficients,  # noqa: ANN001
     sizes,  # noqa: ANN001
+    weights,  # noqa: ANN001
     voltages,  # noqa: ANN001
     before,  # noqa: ANN001
     filters,  # noqa: ANN001
@@ -120,12 +121,13 @@ def run_line(  # type: ignore[no-untyped-def]  # noqa: ANN201
         num, den: (m) G_hat z in z^-1: its delay is counted from the sample that a voltage was computed from, and the
             voltages here are one sample old.
         coefficients: (c) of the motion filters.
-        sizes: (taps, motion, poles).
+        sizes: (taps, motion, poles); not more poles than taps.
+        weights: (p) of the filter, of which the last are its poles' c.
         voltages: (r) past of `applied`, newest first, changed.
         before: (2) reference and G_hat own of the sample before, changed.
         filters: (3, m) states of G_hat on applied, reference and own, changed.
-        motion: (2, 3) states of the motion filters of x and x_f, changed.
-        lines: (2, p) phi and phi_f, changed.
+        motion: (l, 3) states of the motion filters of x, x_f and, if l is 3, x_g; changed.
+        lines: (l, p) phi, phi_f and, if l is 3, phi_g; changed.
         reference: (t) out, x, m/s^2.
         effect: (t) out, G_hat applied, m/s^2: what the voltage does to the upper sensor.
     """
@@ -142,6 +144,14 @@ def run_line(  # type: ignore[no-untyped-def]  # noqa: ANN201
         xf = _filter(num, den, filters[1], before[0])
         v, s = _motion(coefficients, motion[0], x)
         vf, sf = _motion(coefficients, motion[1], xf)
+        if lines.shape[0] > 2:  # through 1 / (1 - C), whose own past stands in the line
+            xg, ug = xf, before[1]
+            first = lines.shape[1] - poles
+            for i in range(poles):
+                xg += weights[first + i] * lines[2, i]
+                ug += weights[first + i] * lines[2, first + i]
+            vg, sg = _motion(coefficients, motion[2], xg)
+            _push(lines[2], taps, with_motion, poles, xg, vg, sg, ug)
         # the regressor of u is one sample old, so its filtered twin is the effect before this sample's
         _push(lines[0], taps, with_motion, poles, x, v, s, own[k])
         _push(lines[1], taps, with_motion, poles, xf, vf, sf, before[1])

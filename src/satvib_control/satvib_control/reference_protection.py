@@ -109,7 +109,8 @@ class ReferenceProtection:
         self._voltages[..., 0] = applied
         error = inner(self._weights, self._voltages) - lower
         fxrls(
-            self._voltages, error, valid, np.array(SETTINGS),
+            self._voltages, error, inner(self._voltages, self._voltages), valid,
+            np.array(SETTINGS),
             self._weights, self._U, self._d, self._memory,
         )  # fmt: skip
         after = inner(self._weights, self._voltages) - lower
