@@ -77,9 +77,15 @@ def _filter(w, y, model, x, xf, yf, uf, z, wf, out):  # type: ignore[no-untyped-
 
 @kernel('void(f8[:,:], f8[:], f8[:], f8[:,:], f8[:], b1[:])', '(p,p),(p),(p)->(p,p),(p),()')
 def _solve(R, r, otherwise, work, theta, good):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Solve R theta = r by elimination with row pivots on equilibrated rows; `otherwise` where R is singular."""
+    """Solve R theta = r by elimination with row pivots on equilibrated rows.
+
+    Where R is singular, or the solution a million times larger than `otherwise`, that is kept.
+    """
     p = r.shape[0]
     good[0] = True
+    bound = 1.0
+    for i in range(p):
+        bound = max(bound, abs(otherwise[i]))
     for i in range(p):
         largest = 0.0
         for j in range(p):
@@ -115,7 +121,7 @@ def _solve(R, r, otherwise, work, theta, good):  # type: ignore[no-untyped-def] 
             for j in range(i + 1, p):
                 theta[i] -= work[i, j] * theta[j]
             theta[i] /= work[i, i]
-            if not abs(theta[i]) < 1e150:
+            if not abs(theta[i]) < 1e6 * bound:
                 good[0] = False
     if not good[0]:
         for i in range(p):
