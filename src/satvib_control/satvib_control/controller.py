@@ -14,7 +14,6 @@ Every voltage leaves through the guard. A missing upper sample gives 0 V for tha
 row latch a fault. A gap in the sequence is counted and the states stay; a sequence that goes back starts all anew.
 """
 
-import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -132,6 +131,9 @@ class ControllerCore:
         self._rms = MovingRms(max(round(p.rms_window * p.sample_rate), 1), shape)
         self._tracker = SequenceTracker()
         self._zero = np.zeros(shape)
+        self._nobody = np.zeros(shape, dtype=bool)
+        self._no_reason = np.zeros(shape, dtype=np.int64)
+        self._alarmed = False  # something is lost, stopped or at fault somewhere
         self._lost = np.zeros(shape, dtype=np.int64)
         self._saturated = np.zeros(shape, dtype=bool)
         self._fade = np.ones(shape)
@@ -208,6 +210,7 @@ class ControllerCore:
     def stop(self) -> None:
         """Latch 0 V from the next sample on, until `reset`."""
         self._stop = np.ones(self.shape, dtype=bool)
+        self._alarmed = True
 
     def reset(self) -> None:
         """Release latched faults; the law begins at rest. Biases and the identified model stay."""
@@ -232,15 +235,18 @@ class ControllerCore:
         p, phase = self.parameters, plan.at(k)
         upper, lower = np.asarray(upper, dtype=float), np.asarray(lower, dtype=float)
         valid = np.isfinite(upper)
+        whole = bool(valid.all())  # the ordinary sample takes the short ways
         if phase == Phase.CALIBRATE:
             self.calibration_upper.add(upper)
             self.calibration_lower.add(lower)
         elif not self._checked_rest:
             self._check_rest()
-        clean = np.where(valid, upper - self.calibration_upper.mean, 0.0)
+        clean = upper - self.calibration_upper.mean
+        if not whole:
+            clean = np.where(valid, clean, 0.0)
         lower_clean = lower - self.calibration_lower.mean
-        lower_clean = np.where(np.isfinite(lower_clean), lower_clean, np.nan)
-        self._lost = np.where(valid, 0, self._lost + 1)
+        if not np.isfinite(lower_clean).all():
+            lower_clean = np.where(np.isfinite(lower_clean), lower_clean, np.nan)
         if phase not in {Phase.CALIBRATE, Phase.IDENTIFY} and self._waiting is not None:
             model, use, covariance = self._waiting
             self.law.set_model(model, use, covariance)
@@ -252,31 +258,42 @@ class ControllerCore:
         scale, verdict = self.watch.step(
             clean, self.guard.voltage, self._saturated, phase == Phase.CONTROL
         )
-        if verdict.any():
+        judged = bool(verdict.any())
+        if judged:
             self.law.reset(verdict > 0.0)
         # a law that is not let through must not learn from what it asks for
-        frozen = self._saturated | self.watch.listening()
+        frozen = self._saturated
+        if self.watch.busy:
+            frozen = frozen | self.watch.listening()
         x = LawInput(k, clean, lower_clean, self.guard.voltage, frozen, valid, self._fade)
         demand = self.law.step(x, phase)
         state = self.law.state
         reference, adapting, why = state.reference, state.adapting, state.reason
-        self._fade = np.zeros(self.shape)
+        self._fade = self._zero
         if acting:
             self._fade = scale * self._fade_in(k, plan, phase)
             demand = demand * self._fade
             if self.law.needs_model:
                 why = np.where(self._model_reason != 0, self._model_reason, why)
-            why = np.where(self.watch.reduced(), REDUCED, why)
-            why = np.where(self.watch.listening(), LISTENING, why)
+            if self.watch.busy:
+                why = np.where(self.watch.reduced(), REDUCED, why)
+                why = np.where(self.watch.listening(), LISTENING, why)
         else:
-            adapting, why = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=np.int64)
+            adapting, why = self._nobody, self._no_reason
             reference = demand = self._zero
             if phase == Phase.IDENTIFY:
                 reference = demand = self._signals.at(k - plan.start_of(k))
-        guarded, why = self._guard(demand, valid, verdict, why)
+        alarmed = self._alarmed or judged or not whole
+        stop = self._causes(valid, verdict) if alarmed else None
+        guarded = self.guard.apply(
+            demand if whole else np.where(valid, demand, 0.0), False if stop is None else stop != 0
+        )
+        self._saturated = guarded.saturated
+        if alarmed or guarded.fault.any():
+            why = self._explain(guarded, valid, why, stop)
         self._last = ControllerOutput(
             k, phase, p.law, guarded.voltage, demand, guarded.saturated, guarded.fault,
-            copy.copy(state), reference, self._rms.add(clean), self.calibration_upper.mean,
+            state.copy(), reference, self._rms.add(clean), self.calibration_upper.mean,
             self.calibration_lower.mean, adapting, why, self._tracker.lost,
         )  # fmt: skip
         return self._last
@@ -288,29 +305,25 @@ class ControllerCore:
             return 1.0
         return min((k - plan.start_of(k) + 1) / max(p.switch_on_time * p.sample_rate, 1.0), 1.0)
 
-    def _guard(self, demand: Array, valid: Mask, verdict: Array, why: Any) -> tuple[Guarded, Any]:
-        """Let the demand through the guard; a fault that is new remembers its cause."""
-        lost_long = self._lost >= self.parameters.loss_limit
-        finite = np.isfinite(demand) | ~valid
-        failed = verdict == 2.0
-        stop = lost_long | self._stop | failed | (self._fault_reason != 0)
-        guarded = self.guard.apply(np.where(valid, demand, 0.0), stop)
-        if guarded.fault.any():
-            cause = np.where(finite, 0, NOT_FINITE)
-            for condition, code in (
-                (lost_long, LOST_LONG),
-                (failed, DIVERGED),
-                (self._stop, STOPPED),
-            ):
-                cause = np.where(condition, code, cause)
-            fresh = guarded.fault & (self._fault_reason == 0)
-            self._fault_reason = np.where(fresh, cause, self._fault_reason)
-        self._saturated = guarded.saturated
-        why = np.where(guarded.fault, self._fault_reason, np.where(valid, why, LOST))
-        return guarded, why
+    def _causes(self, valid: Mask, verdict: Array) -> Any:
+        """What stops the voltage for good, as codes (shape); 0 for nothing."""
+        self._lost = np.where(valid, 0, self._lost + 1)
+        cause = np.where(self._lost >= self.parameters.loss_limit, LOST_LONG, 0)
+        cause = np.where(verdict == 2.0, DIVERGED, cause)
+        cause = np.where(self._stop, STOPPED, cause)
+        return np.where(self._fault_reason != 0, self._fault_reason, cause)
+
+    def _explain(self, guarded: Guarded, valid: Mask, why: Any, stop: Any) -> Any:
+        """Remember the cause of a new fault, and give the reasons (shape)."""
+        cause = NOT_FINITE if stop is None else np.where(stop != 0, stop, NOT_FINITE)
+        known = self._fault_reason
+        self._fault_reason = np.where(guarded.fault & (known == 0), cause, known)
+        self._alarmed = bool((self._stop | guarded.fault | (self._lost > 0)).any())
+        return np.where(guarded.fault, self._fault_reason, np.where(valid, why, LOST))
 
     def _check_rest(self) -> None:
         """Once after CALIBRATE: a sensor that was not at rest has no bias to learn."""
         self._checked_rest = True
         restless = self.calibration_upper.standard_deviation > self.parameters.calibration_limit
         self._fault_reason = np.where(restless, RESTLESS, self._fault_reason)
+        self._alarmed = self._alarmed or bool(restless.any())

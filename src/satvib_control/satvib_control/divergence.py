@@ -133,6 +133,7 @@ class DivergenceWatch:
         self._memory[..., SHARE] = 1.0
         self._model = IirFilter([0.0, 0.0], [1.0, 0.0], shape)
         self._known = np.zeros(shape, dtype=bool)
+        self.busy = False  # some law is taken off or has less than its own voltage
 
     def set_model(self, model: IirModel, trusted: Mask) -> None:
         """Take the model where it is trusted."""
@@ -165,6 +166,7 @@ class DivergenceWatch:
             y, passive, applied / self.limit, saturated.astype(float), float(acting),
             self._settings, self._memory,
         )  # fmt: skip
+        self.busy = bool((np.asarray(scale) < 1.0).any())
         return np.asarray(scale), np.asarray(verdict)
 
     def listening(self) -> Mask:

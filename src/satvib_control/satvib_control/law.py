@@ -94,6 +94,12 @@ class LawState:
         self.adapting = np.zeros(self.shape, dtype=bool)
         self.reason = np.zeros(self.shape, dtype=np.int64)
 
+    def copy(self) -> 'LawState':
+        """Give a state that keeps what this one shows now; laws renew their arrays, they do not write into them."""
+        other = object.__new__(LawState)
+        other.__dict__.update(self.__dict__)
+        return other
+
 
 STATE_FIELDS = (
     'reference', 'model_output', 'error', 'kp', 'ki', 'kd', 'ki_min', 'ki_max', 'sensitivity',
