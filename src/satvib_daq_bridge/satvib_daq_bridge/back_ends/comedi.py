@@ -1,0 +1,196 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Back end `comedi`: boards with a Linux comedi driver, such as the paper's own PCI-6025E.
+
+A device is /dev/comedi0 and so on; each may have several boards' worth of channels, and three struts need two boards of
+the paper's kind. The host keeps the time: every period all inputs are read one after the other, and outputs are written
+as soon as they are there. A comedi output holds its last value for ever, also when its writer was killed (7 V were seen
+to stay): the guardian zeroes them, and nothing but hardware does when the guardian is killed with the bridge.
+"""
+
+import contextlib
+import ctypes
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from satvib_common.errors import SatvibError
+from satvib_common.schema import Schema, param
+
+from satvib_daq_bridge.back_ends.base import Array, BackEnd, BackEndError, Reading, options_of
+from satvib_daq_bridge.back_ends.comedi_library import AI, AO, REFERENCES, UNIT_VOLT, Comedi
+from satvib_daq_bridge.back_ends.ticker import Ticker
+from satvib_daq_bridge.channels import Channel, Channels
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(Schema):
+    """Settings of comedi."""
+
+    reference: str = param(
+        'ground', 'what the inputs are measured against', choices=tuple(REFERENCES)
+    )
+    library: str = param('', 'path of libcomedi.so; empty: where the system has it')
+
+
+@dataclass(frozen=True)
+class _Line:
+    """One channel, ready to be read or written."""
+
+    name: str
+    handle: Any
+    subdevice: int
+    channel: int
+    range_index: int
+    range: Any
+    maxdata: int
+
+
+class ComediBoards(BackEnd):
+    """One or more comedi devices."""
+
+    def __init__(
+        self, channels: Channels, period: float, lifetime: float, options: Options
+    ) -> None:
+        super().__init__(channels, period, lifetime)
+        self._library = Comedi(options.library)
+        self._reference = REFERENCES[options.reference]
+        self._handles: dict[str, Any] = {}
+        self._locked: list[tuple[Any, int]] = []
+        self._inputs: list[_Line] = []
+        self._outputs: list[_Line] = []
+        self._ticker = Ticker(period)
+
+    def open(self) -> str:
+        """Open the devices, find every channel and its range, and write 0 V."""
+        try:
+            self._outputs = [self._find(n, c, AO) for n, c in self.channels.outputs]
+            self._lock()
+            self.write(np.zeros(len(self._outputs)), 0, False, 0.0)
+            self._inputs = [self._find(n, c, AI) for n, c in self.channels.inputs]
+        except BackEndError as error:
+            raise SatvibError(str(error)) from None
+        boards = {
+            device: self._library.call('comedi_get_board_name', handle)
+            for device, handle in self._handles.items()
+        }
+        named = [f'{(b or b"").decode()} on {device}' for device, b in boards.items()]
+        return f'comedi: {", ".join(named)}'
+
+    def start(self, now: float) -> None:
+        """Begin to tick."""
+        self._ticker.start(now)
+
+    def due(self) -> float:
+        """The next tick."""
+        return self._ticker.due()
+
+    def poll(self, now: float) -> list[Reading]:
+        """Read all inputs when it is time."""
+        tick = self._ticker.take(now)
+        if tick is None:
+            return []
+        index, when = tick
+        volts = np.array([self._read(line) for line in self._inputs])
+        return [Reading(index, when, volts, max(time.monotonic() - when, 0.0))]
+
+    def write(self, volts: Array, sequence: int, enable: bool, now: float) -> None:
+        """Write all outputs; one that fails does not keep the others from being written."""
+        del sequence, enable, now
+        failed: BackEndError | None = None
+        for line, value in zip(self._outputs, volts, strict=True):
+            try:
+                self._write(line, float(value))
+            except BackEndError as error:
+                failed = failed or error
+        if failed is not None:
+            raise failed
+
+    def zero(self) -> None:
+        """Write 0 V to every output that was found."""
+        for line in self._outputs:
+            with contextlib.suppress(BackEndError):
+                self._write(line, 0.0)
+
+    def close(self) -> None:
+        """Unlock and close."""
+        for handle, subdevice in self._locked:
+            self._library.call('comedi_unlock', handle, subdevice)
+        self._locked.clear()
+        for handle in self._handles.values():
+            self._library.call('comedi_close', handle)
+        self._handles.clear()
+        self._inputs, self._outputs = [], []
+
+    def figures(self) -> dict[str, float]:
+        """Ticks that were missed."""
+        return {'samples lost': float(self._ticker.lost)}
+
+    def _find(self, name: str, channel: Channel, kind: int) -> _Line:
+        library, where = self._library, f'{self.channels.where}: {name}'
+        handle = self._handle(channel.device)
+        what = 'inputs' if kind == AI else 'outputs'
+        subdevice = library.call('comedi_find_subdevice_by_type', handle, kind, 0)
+        if subdevice < 0:
+            raise SatvibError(f'{where}: {channel.device} has no analog {what}')
+        count = library.checked(where, 'comedi_get_n_channels', handle, subdevice)
+        if channel.index >= count:
+            raise SatvibError(
+                f'{where}: {channel.device} has {count} analog {what}, no channel {channel.index}'
+            )
+        low, high = channel.range
+        index = library.call(
+            'comedi_find_range', handle, subdevice, channel.index, UNIT_VOLT, low, high
+        )
+        if index < 0:
+            raise SatvibError(
+                f'{where}: {channel.device} has no range of {low:g} to {high:g} V on this channel'
+            )
+        limits = library.checked(where, 'comedi_get_range', handle, subdevice, channel.index, index)
+        maxdata = library.call('comedi_get_maxdata', handle, subdevice, channel.index)
+        if maxdata == 0:
+            raise SatvibError(f'{where}: comedi_get_maxdata: {library.error()}')
+        if channel.bits and maxdata + 1 != 2**channel.bits:
+            raise SatvibError(
+                f'{where}: bits: {channel.bits}, but the converter has codes from 0 to {maxdata}'
+            )
+        return _Line(name, handle, subdevice, channel.index, index, limits, maxdata)
+
+    def _handle(self, device: str) -> Any:
+        if device not in self._handles:
+            handle = self._library.call('comedi_open', device.encode())
+            if not handle:
+                raise SatvibError(
+                    f'{device}: comedi_open: {self._library.error()}; is the board there and its '
+                    "driver loaded (comedi_config), and are you in the group 'iocard'?"
+                )
+            self._handles[device] = handle
+        return self._handles[device]
+
+    def _lock(self) -> None:
+        """Keep other programs from the outputs."""
+        for handle, subdevice in {(line.handle, line.subdevice) for line in self._outputs}:
+            device = next(d for d, h in self._handles.items() if h == handle)
+            self._library.checked(device, 'comedi_lock', handle, subdevice)
+            self._locked.append((handle, subdevice))
+
+    def _read(self, line: _Line) -> float:
+        data = ctypes.c_uint()
+        self._library.checked(
+            line.name, 'comedi_data_read', line.handle, line.subdevice, line.channel,
+            line.range_index, self._reference, ctypes.byref(data),
+        )  # fmt: skip
+        return float(self._library.call('comedi_to_phys', data.value, line.range, line.maxdata))
+
+    def _write(self, line: _Line, volts: float) -> None:
+        code = self._library.call('comedi_from_phys', volts, line.range, line.maxdata)
+        self._library.checked(
+            line.name, 'comedi_data_write', line.handle, line.subdevice, line.channel,
+            line.range_index, REFERENCES['ground'], code,
+        )  # fmt: skip
+
+
+def make(channels: Channels, period: float, lifetime: float) -> ComediBoards:
+    """Build it."""
+    return ComediBoards(channels, period, lifetime, options_of(Options, channels))

@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Back end `replay`: a record instead of sensors; voltages go nowhere.
+
+The file is a CSV with a column for each input, or a bag (its folder or .mcap) with accelerations. Until a run begins,
+the first `rest` seconds are played over and over, for the bias; the run begins with the first row. The end of the
+record is the end of the run.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from satvib_common.errors import SatvibError
+from satvib_common.schema import Schema, param
+
+from satvib_daq_bridge.back_ends.base import (
+    Array,
+    BackEnd,
+    EndOfRecordError,
+    Reading,
+    options_of,
+)
+from satvib_daq_bridge.back_ends.ticker import Ticker
+from satvib_daq_bridge.channels import Channels
+from satvib_daq_bridge.record import read_bag, read_csv
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(Schema):
+    """Settings of the replay."""
+
+    file: str = param(description='the record')
+    unit: str = param('m/s^2', 'what a CSV holds', choices=('m/s^2', 'V'))
+    columns: dict[str, Any] = param(dict, "CSV column by channel; left out: the channel's own name")
+    rest: float = param(1.0, 'how long the rig is at rest at the beginning', unit='s', above=0.0)
+    pace: str = param('realtime', 'who keeps the time', choices=('realtime', 'lockstep'))
+
+
+class Replay(BackEnd):
+    """A record as a device."""
+
+    def __init__(
+        self, channels: Channels, period: float, lifetime: float, options: Options
+    ) -> None:
+        super().__init__(channels, period, lifetime)
+        self.options = options
+        self.virtual = options.pace == 'lockstep'
+        self.volts = self._read()
+        self._rest = max(round(options.rest / period), 1)
+        if len(self.volts) < self._rest:
+            raise SatvibError(
+                f'{options.file}: {len(self.volts)} samples are less than the {options.rest:g} s of rest'
+            )
+        self._ticker = Ticker(period)
+        self._sequence = -1
+        self._began = -1
+        self._run_begins = False
+        self._answered = True
+
+    def open(self) -> str:
+        """Say what is played."""
+        return f'replay: {len(self.volts)} samples of {self.options.file}'
+
+    def start(self, now: float) -> None:
+        """Begin with the rest."""
+        self._ticker.start(now)
+
+    def begin_run(self) -> None:
+        """Let the next sample be the first row."""
+        self._run_begins = True
+
+    def due(self) -> float:
+        """When the next sample is."""
+        if self.virtual:
+            return 0.0 if self._answered else float('inf')
+        return self._ticker.due()
+
+    def poll(self, now: float) -> list[Reading]:
+        """Give the next row."""
+        if self.virtual:
+            if not self._answered:
+                return []
+            index, time, late = self._sequence + 1, (self._sequence + 1) * self.period, 0.0
+        else:
+            tick = self._ticker.take(now)
+            if tick is None:
+                return []
+            index, time = tick
+            late = now - time
+        self._sequence, self._answered = index, False
+        if self._run_begins:
+            self._run_begins, self._began = False, index
+        row = index % self._rest if self._began < 0 else index - self._began
+        if row >= len(self.volts):
+            raise EndOfRecordError(f'{self.options.file}: the record is over after {row} samples')
+        return [Reading(index, time, self.volts[row], late)]
+
+    def write(self, volts: Array, sequence: int, enable: bool, now: float) -> None:
+        """Forget it; in lockstep the answer of the present sample lets the next one come."""
+        del volts, enable, now
+        self._answered = self._answered or sequence == self._sequence
+
+    def zero(self) -> None:
+        """Do nothing: there are no outputs."""
+
+    def close(self) -> None:
+        """Do nothing: there is nothing to let go of."""
+
+    def _read(self) -> Array:
+        names = [name for name, _ in self.channels.inputs]
+        path = Path(self.options.file)
+        if path.suffix.lower() in {'.csv', '.txt', '.tsv'}:
+            columns = {name: str(self.options.columns.get(name, name)) for name in names}
+            for name in self.options.columns:
+                if name not in names:
+                    known = ', '.join(names)
+                    raise SatvibError(
+                        f'{self.channels.where}: options: columns.{name}: no such channel ({known})'
+                    )
+            values = read_csv(path, columns)
+            if self.options.unit == 'V':
+                return values
+        else:
+            values = read_bag(path, names)
+        sensors = [sensor for _, sensor in self.channels.inputs]
+        scale = np.array([s.polarity * s.sensitivity for s in sensors])
+        return np.array([s.zero_voltage for s in sensors]) + scale * values
+
+
+def make(channels: Channels, period: float, lifetime: float) -> Replay:
+    """Build it."""
+    return Replay(channels, period, lifetime, options_of(Options, channels))

@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Records of sensors: columns of a CSV file, or the accelerations of a bag."""
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from satvib_common.errors import SatvibError
+
+Array = NDArray[np.float64]
+
+
+def read_csv(path: Path, columns: Mapping[str, str]) -> Array:
+    """Read the column of each channel.
+
+    Args:
+        path: with a header line.
+        columns: name of the column by name of the channel.
+
+    Returns:
+        (rows, channels) in the order of `columns`.
+
+    Raises:
+        SatvibError: no such file or column, a cell that is no number; channel and line are named.
+    """
+    try:
+        with path.open(encoding='utf-8-sig', newline='') as source:
+            rows = list(csv.reader(source))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise SatvibError(f'{path}: cannot be read: {error}') from None
+    if len(rows) < 2:
+        raise SatvibError(f'{path}: a header line and rows of numbers are expected')
+    header = [name.strip() for name in rows[0]]
+    for channel, column in columns.items():
+        if column not in header:
+            raise SatvibError(
+                f'{path}: {channel}: no column {column!r} (columns: {", ".join(header)})'
+            )
+    positions = [header.index(column) for column in columns.values()]
+    values = [
+        [_number(path, number, row, at) for at in positions]
+        for number, row in enumerate(rows[1:], start=2)
+        if row
+    ]
+    return np.array(values)
+
+
+def _number(path: Path, line: int, row: Sequence[str], at: int) -> float:
+    try:
+        value = float(row[at])
+    except (ValueError, IndexError):
+        value = math.nan
+    if not math.isfinite(value):
+        cell = row[at] if at < len(row) else ''
+        raise SatvibError(f'{path}: line {line}: {cell!r} is not a finite number')
+    return value
+
+
+def read_bag(path: Path, channels: Sequence[str]) -> Array:
+    """Read the accelerations of a bag.
+
+    Args:
+        path: folder of the bag, or its .mcap file.
+        channels: names as in `strut_1.upper`.
+
+    Returns:
+        (samples, channels) m/s^2, from the first sequence to the last; NaN where a sample is missing.
+
+    Raises:
+        SatvibError: not a bag, or a strut of which it knows nothing.
+    """
+    try:
+        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.rosbag2 import ReaderError
+    except ImportError:
+        raise SatvibError(
+            'back end replay: rosbags is missing; install it with: pip install rosbags'
+        ) from None
+    found: dict[str, dict[int, Any]] = {}
+    try:
+        with AnyReader([path]) as reader:
+            wanted = [c for c in reader.connections if c.topic.endswith('/acceleration')]
+            for connection, _, raw in reader.messages(wanted):
+                message = reader.deserialize(raw, connection.msgtype)
+                strut = connection.topic.strip('/').split('/')[-2]
+                found.setdefault(strut, {})[int(message.sequence)] = message
+    except (OSError, AnyReaderError, ReaderError, KeyError, ValueError) as error:
+        raise SatvibError(f'{path}: cannot be read as a bag: {error}') from None
+    last = max((max(by) for by in found.values()), default=-1)
+    values = np.full((last + 1, len(channels)), math.nan)
+    for i, channel in enumerate(channels):
+        strut, _, plate = channel.partition('.')
+        if strut not in found:
+            known = ', '.join(sorted(found)) or 'none'
+            raise SatvibError(f'{path}: no acceleration of {strut} (struts: {known})')
+        for sequence, message in found[strut].items():
+            values[sequence, i] = getattr(message, plate)
+    first = min(min(by) for by in found.values())
+    return values[first:]
