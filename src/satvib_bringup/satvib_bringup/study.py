@@ -35,6 +35,16 @@ KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')
 
 
 @dataclass(frozen=True, kw_only=True)
+class StudyFigure(Schema):
+    """What the figure of a study shows, by names of its axes."""
+
+    x: str = param(description='axis along which attenuation is drawn')
+    panel: str = param(description='axis with a panel for every label')
+    line: str = param(description='axis with a line for every label')
+    fixed: dict[str, Any] = param(dict, 'by axis: the one label that is drawn')
+
+
+@dataclass(frozen=True, kw_only=True)
 class Study(Schema):
     """What is varied, over a base that all cells share."""
 
@@ -42,6 +52,7 @@ class Study(Schema):
     description: str = param('', 'what it shows')
     base: dict[str, Any] = param(description='keys of a scenario that all cells share')
     axes: dict[str, Any] = param(description='by name of the axis: by label: keys of a scenario')
+    figure: StudyFigure | None = param(None, 'what is drawn; none: nothing')
 
     def check(self) -> None:
         """Check the shape of the axes; their keys are checked cell by cell."""
@@ -53,6 +64,11 @@ class Study(Schema):
             for label, keys in axis.items():
                 if not isinstance(keys, dict):
                     raise SatvibError(f'axes.{name}.{label}: a mapping of keys is expected')
+
+        drawn = self.figure
+        for axis in (drawn.x, drawn.panel, drawn.line, *drawn.fixed) if drawn else ():
+            if axis not in self.axes:
+                raise SatvibError(f'figure: no axis {axis!r}; {nearest(axis, list(self.axes))}')
 
     def cells(self) -> list[Cell]:
         """Every combination, checked, the last axis fastest.

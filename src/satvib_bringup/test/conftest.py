@@ -111,8 +111,22 @@ def _filler(cls, name):
     return 0.0 if 'float' in hint else False if 'bool' in hint else 0
 
 
-def write_bag(recording, path, keep=lambda *_: True, groups=tuple(TOPICS), custom=True):
-    """Write a recording as a bag; keep(group, strut, k) drops messages."""
+def _write_diagnostics(store, writer, diagnostics):
+    kind = 'diagnostic_msgs/msg/DiagnosticArray'
+    connection = writer.add_connection('/diagnostics', kind, typestore=store)
+    for node, key, value in diagnostics:
+        pair = store.types['diagnostic_msgs/msg/KeyValue'](key=key, value=value)
+        status = store.types['diagnostic_msgs/msg/DiagnosticStatus'](
+            level=0, name=node, message='', hardware_id='', values=[pair]
+        )
+        array = store.types[kind](header=_header(store, 0), status=[status])
+        writer.write(connection, 0, store.serialize_cdr(array, kind))
+
+
+def write_bag(
+    recording, path, keep=lambda *_: True, groups=tuple(TOPICS), custom=True, diagnostics=()
+):
+    """Write a recording as a bag; keep(group, strut, k) drops messages; diagnostics are (node, key, value)."""
     store = _typestore()
     with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         if custom and recording.scenario:
@@ -122,6 +136,8 @@ def write_bag(recording, path, keep=lambda *_: True, groups=tuple(TOPICS), custo
         connection = writer.add_connection('/schedule', kind, typestore=store)
         schedule = _schedule(store, recording)
         writer.write(connection, 0, store.serialize_cdr(schedule, kind))
+        if diagnostics:
+            _write_diagnostics(store, writer, diagnostics)
         for group in groups:
             if not recording.has(group):
                 continue

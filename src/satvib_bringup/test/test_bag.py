@@ -4,6 +4,8 @@
 
 import numpy as np
 import pytest
+from satvib_bringup.analysis import evaluate
+from satvib_bringup.analysis.notes import notes_for
 from satvib_bringup.bag import read_recording
 from satvib_bringup.load import load_recording
 from satvib_bringup.recording import differences
@@ -122,3 +124,21 @@ def test_a_bag_without_its_file_or_its_metadata(bag, tmp_path):
     (tmp_path / 'some.mcap').write_bytes(b'')
     with pytest.raises(SatvibError, match=r'without metadata\.yaml'):
         read_recording(tmp_path)
+
+
+def test_what_the_nodes_counted_as_late_is_told(quick_run, bag_writer, tmp_path):
+    """Truth: the last count of each node; what is no count, or is zero, is not told as late."""
+    said = [
+        ('plant_sim', 'late voltages', '2'),
+        ('plant_sim', 'late voltages', '7'),
+        ('plant_sim', 'sequence', '400'),
+        ('strut_1', 'late models', '0'),
+    ]
+    back = read_recording(
+        bag_writer(quick_run, tmp_path / 'late', groups=('acceleration',), diagnostics=said)
+    )
+    assert back.counts['plant_sim_late_voltages'] == 7
+    assert 'plant_sim_sequence' not in back.counts
+    notes = notes_for(back, evaluate(back))
+    assert any('plant sim late voltages 7' in n for n in notes)
+    assert not any('late models' in n for n in notes)

@@ -8,7 +8,8 @@ import pytest
 import yaml
 from satvib_bringup.analysis import analyse
 from satvib_bringup.closed_loop import simulate
-from satvib_bringup.study import FOLDER, load_study, merged, run_study, study_names
+from satvib_bringup.study import FOLDER, StudyFigure, load_study, merged, run_study, study_names
+from satvib_bringup.study_figure import draw, shown
 from satvib_bringup.study_table import COLUMNS, markdown
 from satvib_common.errors import SatvibError
 
@@ -109,3 +110,27 @@ def test_later_axes_win_and_nested_keys_are_merged():
     below = {'a': {'x': 1, 'y': 2}, 'b': 3}
     assert merged(below, {'a': {'y': 5}, 'b': {'z': 1}}) == {'a': {'x': 1, 'y': 5}, 'b': {'z': 1}}
     assert below == {'a': {'x': 1, 'y': 2}, 'b': 3}
+
+
+def test_the_figure_leaves_out_laws_that_refused(tmp_path):
+    """Truth: by hand: a refused cell has no point, and a figure without any row is not drawn."""
+    what = StudyFigure.from_mapping({'x': 'a', 'panel': 'b', 'line': 'c', 'fixed': {'d': 'k'}})
+    kinds = ('measured_rms', 'true_rms', 'measured_tone', 'true_tone')
+    row = {
+        'labels': {'a': '1', 'b': 'x', 'c': 'y', 'd': 'k'},
+        'worst': dict.fromkeys(kinds, -3.0),
+        'reasons': [],
+    }
+    assert shown(row, 'true_rms') == -3.0
+    assert math.isnan(shown({**row, 'reasons': ['refused']}, 'true_rms'))
+    assert draw([row], what, tmp_path / 'figure.png')
+    assert (tmp_path / 'figure.png').read_bytes().startswith(b'\x89PNG')
+    other = {**row, 'labels': {**row['labels'], 'd': 'else'}}
+    assert not draw([other], what, tmp_path / 'none.png')
+    assert not (tmp_path / 'none.png').exists()
+
+
+def test_a_figure_of_an_axis_that_is_not_there_is_named(small):
+    """Truth: by hand."""
+    with pytest.raises(SatvibError, match="no axis 'rug'; did you mean rig"):
+        load_study(small, ['figure={x: rug, panel: law, line: law}'])

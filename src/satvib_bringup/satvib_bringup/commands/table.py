@@ -35,6 +35,7 @@ def table(
     from satvib_bringup.console import make_console
     from satvib_bringup.run_folder import free_run_folder, make_run_folder
     from satvib_bringup.study import load_study, run_study
+    from satvib_bringup.study_figure import draw
     from satvib_bringup.study_table import markdown
 
     loaded = load_study(study, settings)
@@ -60,5 +61,7 @@ def table(
     text = markdown(ordered)
     (target / 'table.md').write_text(text, encoding='utf-8')
     (target / 'table.json').write_text(json.dumps(ordered, indent=1, allow_nan=False) + '\n')
+    if loaded.figure is not None:
+        draw(ordered, loaded.figure, target / 'table.png')
     console.print(text, soft_wrap=True)
-    console.print(f'{len(ordered)} cells; table.md and table.json are in {target}')
+    console.print(f'{len(ordered)} cells; the tables are in {target}')

@@ -87,13 +87,13 @@ def figure(path: Path, rows: int, columns: int = 1, **options: Any) -> Iterator[
             plt.close(drawn)
 
 
-def legend(drawn: Figure, axes: Iterable[Axes]) -> None:
+def legend(drawn: Figure, axes: Iterable[Axes], columns: int = 6) -> None:
     """One legend below the figure with what is drawn in any of the axes, each label once."""
     found: dict[str, Any] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
-    drawn.legend(list(found.values()), list(found), loc='outside lower center', ncols=6)
+    drawn.legend(list(found.values()), list(found), loc='outside lower center', ncols=columns)
 
 
 def strut_label(name: str) -> str:
