@@ -19,7 +19,9 @@ from typing import Any
 import pytest
 import yaml
 
-LIMIT = 60.0  # s, for anything that should take a second
+LIMIT = float(
+    os.environ.get('SATVIB_TEST_LIMIT', '60')
+)  # s, for anything that should take a second
 HAS_ROS = importlib.util.find_spec('satvib_msgs') is not None and 'AMENT_PREFIX_PATH' in os.environ
 
 
@@ -74,6 +76,7 @@ class NodeProcess:
         from satvib_bringup.installed import executable as installed
         from satvib_bringup.installed import graph_environment
 
+        self.name = executable
         self.log = folder / f'{executable}-{time.monotonic_ns()}.log'
         self.sink = self.log.open('wb')
         command = [str(installed(package, executable)), '--ros-args', *arguments]
@@ -105,7 +108,7 @@ class NodeProcess:
 
 
 @pytest.fixture
-def start(domain: None, tmp_path: Path) -> Iterator[Callable[..., NodeProcess]]:
+def start(domain: None, tmp_path: Path) -> Iterator[Callable[..., NodeProcess]]:  # noqa: ARG001
     """Start nodes: start(package, executable, namespace='/', **parameters)."""
     started: list[NodeProcess] = []
 
@@ -127,6 +130,8 @@ def start(domain: None, tmp_path: Path) -> Iterator[Callable[..., NodeProcess]]:
     yield begin
     for process in started:
         process.close()
+        # shown by pytest when the test has failed
+        print(f'--- {process.name}: exit code {process.popen.returncode}\n{process.said}')
 
 
 class Probe:
@@ -197,7 +202,7 @@ class Probe:
 
 
 @pytest.fixture
-def probe(domain: None) -> Iterator[Probe]:
+def probe(domain: None) -> Iterator[Probe]:  # noqa: ARG001
     """A node of the test."""
     made = Probe()
     yield made

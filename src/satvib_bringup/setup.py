@@ -13,6 +13,7 @@ setup(
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
         (f'share/{NAME}/config', ['config/fastdds.xml']),
+        (f'share/{NAME}/launch', ['launch/simulation.launch.py']),
     ],
     install_requires=['setuptools'],
     zip_safe=False,

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes a rosbag2 bag (MCAP) from a thread of its own, so that nobody waits for the disk.
 
-Twice a second what has been written is closed into a chunk and handed to the operating system: a recorder that is
-killed loses half a second, and `salvage` makes a bag of the rest.
+Five times a second what has been written is closed into a chunk and handed to the operating system: a recorder that is
+killed loses a fifth of a second, and `salvage` makes a bag of the rest.
 """
 
 import threading
@@ -19,7 +19,7 @@ from rosbags.rosbag2.errors import WriterError
 from satvib_common.errors import RunError, SatvibError
 
 _BATCH = 0.05  # s
-_FLUSH_EVERY = 10  # batches
+_FLUSH_EVERY = 4  # batches
 
 
 @dataclass

@@ -25,7 +25,7 @@ from satvib_bringup.observer import Observer
 from satvib_bringup.progress import Outcome, Progress
 from satvib_bringup.recording_check import complaint, read_report
 from satvib_bringup.run_folder import make_run_folder
-from satvib_bringup.salvage import salvage
+from satvib_bringup.salvage import is_finished, salvage
 from satvib_bringup.scenario import Scenario
 from satvib_bringup.supervisor import Exit, Supervisor
 
@@ -205,8 +205,9 @@ class _Run:
         supervisor.stop(others, _IMPATIENCE)
         supervisor.stop(recorders, _PATIENCE[Stage.RECORDER])
         message = f'{ended} at sample {self.samples}' if self.samples else str(ended)
-        if self.bag is not None and (saved := salvage(self.bag, self.graph.custom)):
-            message += f'; the recorder left {saved} messages, they are in {self.bag}'
+        if self.bag is not None and self.bag.exists() and not is_finished(self.bag):
+            saved = salvage(self.bag, self.graph.custom)
+            message += f'; {saved} messages of the unfinished recording are saved in {self.bag}'
         return self._outcome(message, ended.code)
 
     def _outcome(self, wrong: str, code: int) -> Outcome:

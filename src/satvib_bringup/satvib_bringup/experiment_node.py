@@ -38,7 +38,7 @@ class ExperimentNode(SatvibNode[ExperimentParameters]):
     def make(self) -> None:
         """Nothing runs yet."""
         self.goal: ExperimentGoal | None = None
-        self.handle: ServerGoalHandle | None = None
+        self.client: ServerGoalHandle | None = None
         self.over: Future = Future()
         self.told: Progress | None = None
 
@@ -73,12 +73,12 @@ class ExperimentNode(SatvibNode[ExperimentParameters]):
 
     def tick(self) -> float:
         """Pass on what the run's thread has to tell."""
-        goal, handle = self.goal, self.handle
-        if goal is None or handle is None:
+        goal, client = self.goal, self.client
+        if goal is None or client is None:
             return 0.1
         if goal.progress is not None and goal.progress is not self.told:
             self.told = goal.progress
-            handle.publish_feedback(_feedback(goal.progress))
+            client.publish_feedback(_feedback(goal.progress))
         if goal.done() and not self.over.done():
             self.over.set_result(None)
         return 0.1
@@ -106,10 +106,10 @@ class ExperimentNode(SatvibNode[ExperimentParameters]):
             request.folder,
             Path(self.parameters.runs),
         )
-        self.handle = handle
+        self.client = handle
         await self.over
         goal.join()
-        self.goal = self.handle = None
+        self.goal = self.client = None
         verdict = goal.verdict
         self.get_logger().info(verdict.message)
         result = RunExperiment.Result(

@@ -28,19 +28,7 @@ from satvib_plant_sim.parameters import PlantParameters
 from satvib_bringup.bag import custom_data
 from satvib_bringup.recording_check import REPORT, expected_models
 from satvib_bringup.scenario import Scenario
-
-# Topics of a strut that are recorded, and the type of their messages.
-STRUT_TOPICS = {
-    'acceleration': 'satvib_msgs/msg/StrutAcceleration',
-    'voltage': 'satvib_msgs/msg/VcaVoltage',
-    'identified_model': 'satvib_msgs/msg/IirParameters',
-    'controller_state': 'satvib_msgs/msg/ControllerState',
-    'truth': 'satvib_msgs/msg/StrutTruth',
-}
-SHARED_TOPICS = {
-    'schedule': 'satvib_msgs/msg/Schedule',
-    '/diagnostics': 'diagnostic_msgs/msg/DiagnosticArray',
-}
+from satvib_bringup.topics import STRUT_TOPICS
 
 
 class Stage(IntEnum):
@@ -142,7 +130,7 @@ def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None
     """
     rig = scenario.load_rig()
     rate = rig.acquisition.sample_rate
-    struts = tuple(f'strut_{i + 1}' for i in range(rig.struts.count))
+    struts = tuple(f'strut_{i + 1}' for i in range(strut_count(rig)))
     plant = PlantParameters(
         rig=scenario.rig,
         rig_overrides=tuple(f'{k}={_inline(v)}' for k, v in scenario.rig_overrides.items()),

@@ -7,6 +7,7 @@ for every nested type a line of 80 equals signs, `MSG: package/Name`, and its fi
 """
 
 import re
+from functools import cache
 from pathlib import Path
 
 from ament_index_python.packages import PackageNotFoundError, get_package_share_directory
@@ -23,6 +24,7 @@ _BASIC = frozenset(
 _SEPARATOR = '=' * 80
 
 
+@cache
 def definition(kind: str) -> str:
     """Text of a type such as 'satvib_msgs/msg/Schedule' with all that it nests.
 
@@ -53,6 +55,7 @@ def _collect(name: str, texts: dict[str, str]) -> None:
             _collect(inner if '/' in inner else f'{package}/{inner}', texts)
 
 
+@cache
 def type_hash(kind: str, text: str) -> str:
     """RIHS01 hash of a type, from the text of its definition."""
     store = get_typestore(Stores.EMPTY)

@@ -52,6 +52,9 @@ class Topic:
 
     def __init__(self, name: str, kind: str, is_sampled: bool) -> None:
         self.name, self.kind, self.is_sampled = name, kind, is_sampled
+        # looked up now, because the first message is no time for it
+        self.text = definition(kind)
+        self.hash = type_hash(kind, self.text)
         self.channel: Channel | None = None
         self.sequence = SequenceTracker()
         self.first: int | None = None
@@ -59,12 +62,11 @@ class Topic:
 
     def open(self, reliability: str, durability: str) -> Channel:
         """Make the bag's channel; reliability and durability as the writer offers them."""
-        text = definition(self.kind)
         qos = Qos(
             QosHistory.KEEP_LAST, DEPTH, QosReliability[reliability], QosDurability[durability],
             _FOR_EVER, _FOR_EVER, QosLiveliness.AUTOMATIC, _FOR_EVER, avoid_ros_namespace_conventions=False,
         )  # fmt: skip
-        self.channel = Channel(self.name, self.kind, text, type_hash(self.kind, text), qos)
+        self.channel = Channel(self.name, self.kind, self.text, self.hash, qos)
         return self.channel
 
     def saw(self, sequence: int) -> None:

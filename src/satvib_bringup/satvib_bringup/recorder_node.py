@@ -21,8 +21,8 @@ from satvib_common.ros.qos import wanted
 
 from satvib_bringup.bag_sink import BagSink, Channel
 from satvib_bringup.cdr import stamp_and_sequence
-from satvib_bringup.graph import SHARED_TOPICS, STRUT_TOPICS
 from satvib_bringup.recorder import RecorderParameters, Topic
+from satvib_bringup.topics import SHARED_TOPICS, STRUT_TOPICS
 from satvib_msgs.msg import Schedule
 
 

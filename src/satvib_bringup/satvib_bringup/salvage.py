@@ -18,6 +18,11 @@ from satvib_bringup.bag_sink import open_bag
 from satvib_bringup.message_text import type_hash
 
 
+def is_finished(bag: Path) -> bool:
+    """Whether a bag was closed as it should be."""
+    return (bag / 'metadata.yaml').exists()
+
+
 def salvage(bag: Path, custom: Mapping[str, str]) -> int:
     """Replace an unfinished bag by a finished one with all its complete messages.
 
@@ -29,7 +34,7 @@ def salvage(bag: Path, custom: Mapping[str, str]) -> int:
         How many messages there are; 0: nothing was left, and nothing is changed.
     """
     broken = next(iter(bag.glob('*.mcap')), None)
-    if broken is None or (bag / 'metadata.yaml').exists():
+    if broken is None or is_finished(bag):
         return 0
     workshop = bag.with_name(f'.{bag.name}.salvage')
     shutil.rmtree(workshop, ignore_errors=True)

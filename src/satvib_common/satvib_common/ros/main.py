@@ -56,6 +56,7 @@ def run_node(make: Callable[[], SatvibNode[Any]], args: Sequence[str] | None = N
             if node:
                 node.destroy_node()
         rclpy.try_shutdown()
+        signals.ignore()
 
 
 def _run(node: SatvibNode[Any]) -> int:
@@ -123,12 +124,22 @@ class _Signals:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._arrived)
 
+    def ignore(self) -> None:
+        """Let nothing disturb the end of the interpreter, which would change the exit code."""
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
+
     def attach(self, node: SatvibNode[Any]) -> None:
         self._node = node
 
     def _arrived(self, number: int, _frame: object) -> None:
-        if self._node is None or self._node.ended:
-            _exit(0 if self._node is None else 128 + number)
+        if self._node is None:
+            _exit(0)
+        if self._node.ended:
+            # SIGTERM may come several times from one sender: the kernel tells of a parent's death once per thread
+            if number == signal.SIGINT:
+                _exit(130)
+            return
         watchdog = threading.Timer(_LAST_RESORT, _exit, (1,))
         watchdog.daemon = True
         watchdog.start()

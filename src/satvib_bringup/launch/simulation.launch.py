@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The live graph of a scenario, from the same description as `satvib run`.
+
+    ros2 launch satvib_bringup simulation.launch.py scenario:=paper_3dof bag:=/tmp/bag
+
+The nodes start, find each other, and the node `schedule` sets them going. When the plant has ended, so does the launch.
+"""
+
+from pathlib import Path
+
+from launch import LaunchContext, LaunchDescription
+from launch.actions import (
+    DeclareLaunchArgument,
+    EmitEvent,
+    OpaqueFunction,
+    RegisterEventHandler,
+    SetEnvironmentVariable,
+)
+from launch.event_handlers import OnProcessExit
+from launch.events import Shutdown
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+from satvib_bringup.graph import Stage, graph_of
+from satvib_bringup.installed import graph_environment
+from satvib_bringup.scenario import load_scenario
+
+ARGUMENTS = {
+    'scenario': ('paper_3dof', 'name of a scenario, or path of its YAML file'),
+    'overrides': ('', "changes, separated by spaces: 'seed=7 controller.law=velocity_feedback'"),
+    'realtime': ('false', 'true: at the pace of the clock instead of in lockstep'),
+    'bag': ('', 'folder of the bag to be recorded; empty: none'),
+}
+
+
+def generate_launch_description() -> LaunchDescription:
+    declared = [
+        DeclareLaunchArgument(name, default_value=default, description=description)
+        for name, (default, description) in ARGUMENTS.items()
+    ]
+    return LaunchDescription([*declared, OpaqueFunction(function=start_graph)])
+
+
+def start_graph(context: LaunchContext) -> list[object]:
+    value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    overrides = value['overrides'].split()
+    bag = Path(value['bag']) if value['bag'] else None
+    graph = graph_of(
+        load_scenario(value['scenario'], overrides), value['realtime'].lower() == 'true', bag
+    )
+    profiles = 'FASTRTPS_DEFAULT_PROFILES_FILE'
+    actions: list[object] = [SetEnvironmentVariable(profiles, graph_environment()[profiles])]
+    for process in graph.processes:
+        node = Node(
+            package=process.package,
+            executable=process.executable,
+            namespace=process.namespace,
+            name=process.name,
+            parameters=[parameter_file(process.parameter_file())],
+            output='screen',
+        )
+        actions.append(node)
+        if process.stage == Stage.SOURCE:
+            over = EmitEvent(event=Shutdown(reason='the plant has ended'))
+            actions.append(RegisterEventHandler(OnProcessExit(target_action=node, on_exit=[over])))
+    scenario = {'scenario': value['scenario']} | ({'overrides': overrides} if overrides else {})
+    actions.append(
+        Node(
+            package='satvib_bringup', executable='schedule', name='schedule', parameters=[scenario]
+        )
+    )
+    return actions
+
+
+def parameter_file(text: str) -> str:
+    """Write a parameter file; launch's own translation would lose the types of empty lists."""
+    import tempfile
+
+    with tempfile.NamedTemporaryFile('w', suffix='.yaml', delete=False) as sink:
+        sink.write(text)
+    return sink.name

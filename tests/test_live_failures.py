@@ -1,0 +1,160 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What goes wrong in a live run: it ends soon, names what it was, and leaves a readable bag and no process."""
+
+import os
+import select
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.usefixtures('domain')
+
+
+def children(folder: Path) -> dict[str, int]:
+    """Ids of the processes whose command line names a run's folder, by the node's executable."""
+    found = {}
+    for path in Path('/proc').glob('[0-9]*/cmdline'):
+        try:
+            words = path.read_bytes().split(b'\0')
+        except OSError:
+            continue
+        if any(str(folder).encode() in word for word in words):
+            script = next((w for w in words if b'/lib/satvib_' in w), b'')
+            found[Path(script.decode()).name] = int(path.parent.name)
+    return found
+
+
+class Killer:
+    """A progress callback that kills one node once, when samples flow."""
+
+    def __init__(self, folder: Path, executable: str) -> None:
+        self.folder, self.executable = folder, executable
+        self.at: float | None = None
+
+    def __call__(self, progress) -> None:
+        if self.at is None and progress.sequence >= 400:
+            os.kill(children(self.folder)[self.executable], signal.SIGKILL)
+            self.at = time.monotonic()
+
+
+@pytest.fixture
+def long_run():
+    """One strut, few processes, and more samples than any test waits for."""
+    from satvib_bringup.scenario import load_scenario
+
+    scenario = load_scenario('paper_1dof_10hz')
+    return scenario.replace(duration=3000.0)
+
+
+@pytest.mark.parametrize(
+    ('executable', 'name'),
+    [
+        ('plant_sim', 'plant_sim'),
+        ('strut_controller', 'strut_1/strut_controller'),
+        ('strut_identifier', 'strut_1/strut_identifier'),
+        ('recorder', 'recorder'),
+    ],
+)
+def test_killing_a_node_ends_the_run(executable, name, long_run, tmp_path):
+    """Truth: the issue's bar. Within 3 s, by name, with a bag that reads, and no process is left."""
+    from satvib_bringup.bag import read_recording
+    from satvib_bringup.experiment import run_experiment
+
+    folder = tmp_path / 'run'
+    killer = Killer(folder, executable)
+    outcome = run_experiment(long_run, folder, progress=killer)
+    elapsed = time.monotonic() - killer.at
+    assert not outcome.success
+    assert outcome.exit_code == 1
+    assert outcome.message.startswith(f'{name} was killed by SIGKILL')
+    assert elapsed < 3.0
+    recording = read_recording(outcome.bag)
+    assert len(recording.sequence) > 50
+    assert recording.scenario == long_run
+    assert children(folder) == {}
+
+
+def test_not_a_number_on_the_voltage_topic(long_run, tmp_path, probe):
+    """Truth: the issue's bar. The run ends with exit code 2 and one line that names strut and sample."""
+    from satvib_bringup.experiment import run_experiment
+
+    from satvib_msgs.msg import VcaVoltage
+
+    out = probe.publisher(VcaVoltage, '/strut_1/voltage')
+    message = VcaVoltage(voltage=float('nan'))
+
+    def disturb(progress) -> None:
+        message.sequence = progress.sequence + 400
+        for _ in range(800):
+            message.sequence += 1
+            out.publish(message)
+
+    outcome = run_experiment(long_run, tmp_path / 'run', record=False, progress=disturb)
+    assert outcome.exit_code in {1, 2}
+    assert 'strut_1' in outcome.message
+
+
+def test_killing_the_runner_leaves_no_process(tmp_path):
+    """Truth: /proc. The kernel tells the children, and they close their files."""
+    from satvib_bringup.bag import read_recording
+
+    folder = tmp_path / 'run'
+    program = (
+        'import sys\n'
+        'from pathlib import Path\n'
+        'from satvib_bringup.scenario import load_scenario\n'
+        'from satvib_bringup.experiment import run_experiment\n'
+        "scenario = load_scenario('paper_1dof_10hz').replace(duration=3000.0)\n"
+        'run_experiment(scenario, Path(sys.argv[1]), progress=lambda p: print(p.sequence, flush=True))\n'
+    )
+    with subprocess.Popen(
+        [sys.executable, '-c', program, str(folder)], stdout=subprocess.PIPE, text=True
+    ) as runner:
+        assert runner.stdout is not None
+        while int(runner.stdout.readline()) < 50:
+            pass
+        processes = children(folder)
+        assert len(processes) == 5  # the runner itself names the folder too
+        runner.kill()
+        runner.wait()
+        handles = [os.pidfd_open(pid) for name, pid in processes.items() if name]
+        waiting = set(handles)
+        while waiting:
+            ready, _, _ = select.select(list(waiting), [], [], 30.0)
+            assert ready, 'a process outlived the runner'
+            waiting -= set(ready)
+        for handle in handles:
+            os.close(handle)
+    assert len(read_recording(folder / 'bag').sequence) > 50
+
+
+def test_two_graphs_do_not_share_a_domain(tmp_path, start, probe):
+    """Truth: the first graph's node is seen. The second refuses before it starts anything."""
+    from satvib_bringup.experiment import run_experiment
+    from satvib_bringup.scenario import load_scenario
+    from satvib_common.errors import SatvibError
+
+    start('satvib_control', 'strut_controller', '/strut_1')
+    probe.wait(
+        lambda: ('strut_controller', '/strut_1') in probe.node.get_node_names_and_namespaces()
+    )
+    with pytest.raises(SatvibError, match=r'domain \d+: a satvib graph is already alive'):
+        run_experiment(load_scenario('quick_3dof'), tmp_path / 'run')
+    assert not (tmp_path / 'run').exists()
+
+
+def test_an_existing_folder_is_refused(tmp_path):
+    """Truth: the folder's content stays as it was."""
+    from satvib_bringup.experiment import run_experiment
+    from satvib_bringup.scenario import load_scenario
+    from satvib_common.errors import SatvibError
+
+    (tmp_path / 'mine').write_text('mine')
+    with pytest.raises(SatvibError, match='exists already'):
+        run_experiment(load_scenario('quick_3dof'), tmp_path)
+    assert [p.name for p in tmp_path.iterdir() if p.name != 'ros_log'] == ['mine']

@@ -1,0 +1,277 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Single nodes, started as people start them: lifecycle, parameters, signals, bad input, one another's absence."""
+
+import itertools
+import math
+import signal
+
+CONTROLLER = ('satvib_control', 'strut_controller')
+IDENTIFIER = ('satvib_ident', 'strut_identifier')
+PLANT = ('satvib_plant_sim', 'plant_sim')
+RECORDER = ('satvib_bringup', 'recorder')
+
+
+def one_line(process, code, *words):
+    """Check the exit code and that the last line names what it must; there is no traceback."""
+    assert process.wait() == code, process.said
+    lines = process.said.strip().splitlines()
+    assert 'Traceback' not in process.said
+    for word in words:
+        assert word in lines[-1], process.said
+
+
+def schedule(struts=1, end=0, rate=200.0, phases=((0, 0),)):
+    from satvib_msgs.msg import Schedule
+
+    return Schedule(
+        scenario='test',
+        seed=1,
+        sample_period=1.0 / rate,
+        struts=[f'strut_{i + 1}' for i in range(struts)],
+        phases=[phase for phase, _ in phases],
+        first_sequence=[first for _, first in phases],
+        end_sequence=end,
+    )
+
+
+def test_lifecycle(start, probe):
+    """Truth: the managed-node life cycle of ROS 2 (design.ros2.org), transition by transition."""
+    from lifecycle_msgs.msg import Transition
+
+    node = '/strut_1/strut_controller'
+    process = start(*CONTROLLER, '/strut_1', autostart=False)
+    assert probe.state_of(node) == 'unconfigured'
+    for transition, state in [
+        (Transition.TRANSITION_CONFIGURE, 'inactive'),
+        (Transition.TRANSITION_ACTIVATE, 'active'),
+        (Transition.TRANSITION_DEACTIVATE, 'inactive'),
+        (Transition.TRANSITION_ACTIVATE, 'active'),
+        (Transition.TRANSITION_DEACTIVATE, 'inactive'),
+        (Transition.TRANSITION_CLEANUP, 'unconfigured'),
+        (Transition.TRANSITION_CONFIGURE, 'inactive'),
+    ]:
+        assert probe.change_state(node, transition)
+        assert probe.state_of(node) == state
+    probe.change_state(node, Transition.TRANSITION_INACTIVE_SHUTDOWN)
+    assert process.wait() == 0, process.said
+
+
+def test_parameters_are_checked_as_a_whole_and_applied(start, probe):
+    """Truth: ControllerParameters; the node refuses what the dataclass refuses, with its reason."""
+    from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+    from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParameters
+
+    node = '/strut_1/strut_controller'
+    start(*CONTROLLER, '/strut_1')
+
+    def put(name, value):
+        number = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
+        request = SetParameters.Request(parameters=[Parameter(name=name, value=number)])
+        result = probe.call(SetParameters, f'{node}/set_parameters', request).results[0]
+        return result.successful, result.reason
+
+    def get(name):
+        request = GetParameters.Request(names=[name])
+        return probe.call(GetParameters, f'{node}/get_parameters', request).values[0].double_value
+
+    assert put('voltage_limit', 15.0) == (True, '')
+    assert get('voltage_limit') == 15.0
+    done, reason = put('voltage_limit', 5.0)
+    assert not done
+    assert 'excitation_amplitude' in reason  # which is 10 V
+    done, reason = put('voltage_limit', -1.0)
+    assert not done
+    assert 'voltage_limit' in reason
+    done, reason = put('sample_rate', 500.0)
+    assert not done
+    assert 'read-only' in reason
+    assert get('voltage_limit') == 15.0
+    request = DescribeParameters.Request(names=['voltage_limit', 'sample_rate'])
+    limit, rate = probe.call(DescribeParameters, f'{node}/describe_parameters', request).descriptors
+    assert limit.description.endswith('[V]')
+    assert limit.floating_point_range[0].from_value == 0.0
+    assert (limit.read_only, rate.read_only) == (False, True)
+
+
+def test_signals_end_every_node_cleanly(start, probe, tmp_path):
+    """Truth: the house rule. SIGINT and SIGTERM: exit 0, no traceback, whatever the node was doing."""
+    processes = [
+        start(*PLANT),
+        start(*CONTROLLER, '/strut_1'),
+        start(*IDENTIFIER, '/strut_1'),
+        start(*RECORDER, folder=str(tmp_path / 'bag')),
+        start('satvib_bringup', 'experiment'),
+        start('satvib_bringup', 'schedule', scenario='quick_3dof', more=('-r', 'schedule:=/other')),
+    ]
+    names = {
+        'plant_sim',
+        'strut_controller',
+        'strut_identifier',
+        'recorder',
+        'experiment',
+        'schedule',
+    }
+    probe.wait(lambda: names <= set(probe.node.get_node_names()))
+    for i, process in enumerate(processes):
+        process.send(signal.SIGINT if i % 2 else signal.SIGTERM)
+    for process in processes:
+        assert process.wait() == 0, process.said
+        assert 'Traceback' not in process.said
+    assert (tmp_path / 'bag' / 'metadata.yaml').exists()
+
+
+def test_bad_parameters_are_one_line(start, tmp_path):
+    """Truth: the issue's bar. Each names what is wrong; exit code 2; nothing is overwritten."""
+    (tmp_path / 'file').write_text('mine')
+    (tmp_path / 'bag').mkdir()
+    cases = [
+        (start(*CONTROLLER, sample_rate=0.0), 'sample_rate', 'not above 0'),
+        (start(*CONTROLLER, law='magic'), 'law', 'magic'),
+        (start(*IDENTIFIER, poles='two'), 'poles', 'whole number'),
+        (start(*PLANT, rig='paper_9dof'), 'paper_9dof'),
+        (start(*PLANT, rig_overrides=['payload.mass=-1']), 'payload.mass', '-1'),
+        (start(*RECORDER, folder=str(tmp_path / 'file' / 'bag')), str(tmp_path / 'file')),
+        (start(*RECORDER, folder=str(tmp_path / 'bag')), 'exists already'),
+        (start('satvib_bringup', 'replay', file='none.csv'), 'none.csv'),
+    ]
+    for process, *words in cases:
+        one_line(process, 2, *words)
+    assert (tmp_path / 'file').read_text() == 'mine'
+    assert list((tmp_path / 'bag').iterdir()) == []
+
+
+def test_a_typing_mistake_is_pointed_out(start, probe):
+    """Truth: ROS passes over unknown parameters in silence; the node must not."""
+    process = start(*CONTROLLER, '/strut_1', voltage_limt=12.0)
+    probe.wait(lambda: 'did you mean voltage_limit?' in process.said)
+
+
+def test_another_sample_rate_is_refused(start, probe):
+    """Truth: 0.005 s is not 1 / 100 Hz."""
+    from satvib_msgs.msg import StrutAcceleration
+
+    processes = [start(*CONTROLLER, '/strut_1'), start(*IDENTIFIER, '/strut_1')]
+    out = probe.publisher(StrutAcceleration, '/strut_1/acceleration')
+    probe.wait(lambda: out.get_subscription_count() == 2)
+    out.publish(StrutAcceleration(sample_period=0.005))
+    for process in processes:
+        one_line(process, 2, 'strut_1 acceleration', 'sample_period', '0.005')
+
+
+def test_the_plant_refuses_a_voltage_that_is_no_number(start, probe):
+    """Truth: the issue's bar. One line with strut and sample, exit code 2."""
+    from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage
+
+    process = start(*PLANT, rig='paper_1dof')
+    samples = probe.collect(StrutAcceleration, '/strut_1/acceleration')
+    out = probe.publisher(VcaVoltage, '/strut_1/voltage')
+    probe.publisher(Schedule, '/schedule').publish(schedule())
+    probe.wait(lambda: len(samples) == 1)
+    out.publish(VcaVoltage(sequence=0, voltage=1.0))
+    probe.wait(lambda: len(samples) == 2)
+    out.publish(VcaVoltage(sequence=1, voltage=math.nan))
+    one_line(process, 2, 'strut_1', 'sample 1', 'nan')
+
+
+def test_the_plant_does_not_wait_for_ever(start, probe):
+    """Truth: the design. A strut that does not answer is named; exit code 1."""
+    from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage
+
+    process = start(*PLANT, rig='paper_3dof', lockstep_timeout=0.5)
+    outs = [probe.publisher(VcaVoltage, f'/strut_{i}/voltage') for i in (1, 3)]
+    samples = probe.collect(StrutAcceleration, '/strut_1/acceleration')
+    probe.publisher(Schedule, '/schedule').publish(schedule(3, rate=100.0))
+    probe.wait(lambda: samples)
+    for out in outs:
+        out.publish(VcaVoltage(sequence=0))
+    one_line(process, 1, 'no voltage for sample 0 from strut_2 within 0.5 s')
+
+
+def test_the_plant_refuses_a_schedule_for_other_struts(start, probe):
+    """Truth: a 3-DOF rig has three struts, this schedule one."""
+    from satvib_msgs.msg import Schedule
+
+    process = start(*PLANT, rig='paper_3dof')
+    probe.publisher(Schedule, '/schedule').publish(schedule(1, rate=100.0))
+    one_line(process, 2, 'schedule', 'strut_1, strut_2, strut_3')
+
+
+def test_real_time_follows_the_clock_and_a_silent_controller_is_ramped_to_zero(start, probe):
+    """Truth: the design. Stamps one period apart, no sample left out, 0 V latched after silence."""
+    from diagnostic_msgs.msg import DiagnosticArray
+    from satvib_common.ros.convert import nanoseconds
+
+    from satvib_msgs.msg import Schedule, StrutAcceleration, StrutTruth, VcaVoltage
+
+    end = 400
+    process = start(*PLANT, rig='paper_1dof', lockstep=False)
+    samples = probe.collect(StrutAcceleration, '/strut_1/acceleration')
+    truth = probe.collect(StrutTruth, '/strut_1/truth')
+    diagnostics = probe.collect(DiagnosticArray, '/diagnostics', whole=False)
+    out = probe.publisher(VcaVoltage, '/strut_1/voltage')
+    probe.publisher(Schedule, '/schedule').publish(schedule(end=end))
+    probe.wait(lambda: out.get_subscription_count() == 1 and samples)
+    out.publish(VcaVoltage(sequence=samples[-1].sequence, voltage=5.0))
+    assert process.wait() == 0, process.said
+    assert (
+        process.said.strip().splitlines()[-1].startswith('plant_sim: 400 samples of 1 struts, 2 s')
+    )
+    probe.wait(lambda: len(samples) == end and len(truth) == end)
+    assert [s.sequence for s in samples] == list(range(end))
+    stamps = [nanoseconds(s.header.stamp) for s in samples]
+    assert {b - a for a, b in itertools.pairwise(stamps)} == {5_000_000}
+    currents = [abs(t.current) for t in truth]
+    assert max(currents) > 0.1
+    assert currents[-1] < 1e-3 * max(currents)
+    complaints = {s.message for d in diagnostics for s in d.status if s.name == '/plant_sim'}
+    assert '0 V latched at strut_1' in complaints
+
+
+def test_a_restarted_controller_joins_the_run(start, probe):
+    """Truth: the schedule. The plant gets an answer to every sample, from whichever process, and ends by itself."""
+    from satvib_msgs.msg import Schedule, VcaVoltage
+
+    end = 1200
+    plant = start(*PLANT, rig='paper_1dof', lockstep_timeout=60.0)
+    loop = {'sample_rate': 200.0, 'lockstep': True}
+    start(*IDENTIFIER, '/strut_1', **loop)
+    first = start(*CONTROLLER, '/strut_1', **loop)
+    voltages = probe.collect(VcaVoltage, '/strut_1/voltage')
+    phases = ((1, 0), (2, 100), (4, 300))
+    probe.publisher(Schedule, '/schedule').publish(schedule(end=end, phases=phases))
+    probe.wait(lambda: voltages and voltages[-1].sequence > 350)
+    first.send(signal.SIGKILL)
+    first.wait()
+    start(*CONTROLLER, '/strut_1', **loop)
+    assert plant.wait() == 0, plant.said
+    probe.wait(lambda: voltages[-1].sequence == end - 1)
+    assert {v.sequence for v in voltages} == set(range(end))
+
+
+def test_stop_and_reset(start, probe):
+    """Truth: the design. After stop the voltage is 0 with a latched fault; reset releases it."""
+    from std_srvs.srv import Trigger
+
+    from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage
+
+    start(*CONTROLLER, '/strut_1')
+    samples = probe.publisher(StrutAcceleration, '/strut_1/acceleration')
+    voltages = probe.collect(VcaVoltage, '/strut_1/voltage')
+    probe.publisher(Schedule, '/schedule').publish(schedule(rate=100.0, phases=((2, 0),)))
+    probe.wait(lambda: samples.get_subscription_count() == 1)
+
+    def answer(k):
+        samples.publish(StrutAcceleration(sequence=k, sample_period=0.01))
+        return probe.wait(lambda: next((v for v in voltages if v.sequence == k), None))
+
+    k = 0
+    while answer(k).voltage == 0.0:  # until the schedule has arrived and the excitation begins
+        k += 1
+        assert k < 1000
+    for name, fault in (('stop', True), ('reset', False)):
+        assert probe.call(Trigger, f'/strut_1/strut_controller/{name}', Trigger.Request()).success
+        k += 1
+        found = answer(k)
+        assert found.fault is fault
+        assert (found.voltage == 0.0) is fault
