@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from satvib_common.errors import SatvibError
 
+from satvib_ident.first_order_study import FirstOrderResult, run_first_order
 from satvib_ident.iir_model import IirModel
 from satvib_ident.plots import new_figure
 from satvib_ident.study import CASES, NAMES, StudyResult, make_signal
@@ -93,23 +94,39 @@ def error_figure(result: StudyResult) -> 'Figure':
     return figure
 
 
+def first_order_figure(result: FirstOrderResult) -> 'Figure':
+    """The paper's first-order example: a_p and k_p over time for each continuous-time estimator."""
+    figure, axes = new_figure(2, 1, (8.0, 4.6))
+    for i, name in enumerate(('a_p [1/s]', 'k_p')):
+        axis = axes[i, 0]
+        axis.axhline(float(result.true[i]), color='0.2', lw=1.2, label='true')
+        for label, trace in result.traces.items():
+            axis.plot(result.time, trace[:, i], lw=0.9, label=label)
+        axis.set_ylabel(name)
+        axis.set_ylim(-0.5, 2.0 * float(result.true[i]))
+    axes[0, 0].legend(fontsize=7, ncols=3)
+    axes[-1, 0].set_xlabel('time [s]')
+    return figure
+
+
 FIGURES = {'figure_3': figure_3, 'figure_4': figure_4, 'figure_5': figure_5, 'errors': error_figure}
 
 
 def save_figures(result: StudyResult, folder: Path) -> list[Path]:
-    """Draw all figures as study_*.png into a folder, never over an existing file.
+    """Draw all figures, that of the first-order example too, as study_*.png; never over an existing file.
 
     Raises:
         SatvibError: a file exists already, or the folder cannot be written.
     """
-    paths = {name: folder / f'study_{name}.png' for name in FIGURES}
+    paths = {name: folder / f'study_{name}.png' for name in (*FIGURES, 'first_order')}
     for path in paths.values():
         if path.exists():
             raise SatvibError(f'{path}: exists already, not overwritten')
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name, path in paths.items():
-            FIGURES[name](result).savefig(path, dpi=130)
+        for name, draw in FIGURES.items():
+            draw(result).savefig(paths[name], dpi=130)
+        first_order_figure(run_first_order()).savefig(paths['first_order'], dpi=130)
     except OSError as error:
         raise SatvibError(f'{folder}: cannot be written: {error.strerror}') from None
     return list(paths.values())
