@@ -87,7 +87,7 @@ class ModelReference(BasicLaw):
         self._several = bool(set(p.adapted_gains) - {'ki'}) or p.gain_p != 0.0 or p.gain_d != 0.0
         self._grid = np.zeros((*shape, 6, 1))
         self._rule = np.zeros(5)  # of `adaptation.move`
-        self._settings = np.zeros((*shape, 4))  # of `pid_step`
+        self._settings = np.zeros((*shape, 5))  # of `pid_step`
         self._scale = np.zeros((*shape, 3))  # size of each gain; 0: it does not adapt
         self._rest = np.zeros((*shape, 3))
         self._low, self._high = np.zeros(shape), np.zeros(shape)
@@ -106,6 +106,7 @@ class ModelReference(BasicLaw):
         s[..., 0] = self.dt
         s[..., 1] = 1.0 - math.exp(-self.dt / p.adaptation_memory)
         s[..., 2] = float(p.reference_model == 'designed')
+        s[..., 4] = 1.0 / (1.0 + 2.0 * math.pi * p.velocity_corner * self.dt)
 
     def _size(self, length: int, order: int) -> None:
         """Make room for polynomials of that length (loop, and model), at rest and without effect."""
@@ -208,7 +209,7 @@ class ModelReference(BasicLaw):
             self._begun, reference = None, np.zeros(self.shape)
         wanted = adapt or (phase == Phase.CONTROL and self.parameters.adapt_in_control)
         learn = x.valid & ~x.saturated & self._known & wanted
-        u, model_output, error, eta = pid_step(
+        u, model_output, error, eta, error_pass, eta_pass = pid_step(
             self._loop, self._fixed, self._settings, self._scale, self._memory, self._filters,
             x.upper, reference, x.applied, float(adapt),
         )  # fmt: skip
@@ -220,7 +221,7 @@ class ModelReference(BasicLaw):
         state.sensitivity, state.adapting = eta[..., first], np.zeros(self.shape, dtype=bool)
         fine = np.where(self._attainable, 0, UNATTAINABLE)
         if wanted:
-            state.adapting = self._adapt(learn, error, eta)
+            state.adapting = self._adapt(learn, error_pass, eta_pass)
             self._untuned = self._untuned & ~state.adapting
             fine = np.where(state.adapting, fine, np.where(x.saturated, SATURATED, IDLE))
         elif phase == Phase.CONTROL:

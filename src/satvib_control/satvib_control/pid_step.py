@@ -23,7 +23,8 @@ POWER = 3  # their gradients' powers
 WANTED = 6  # K_i of the reference model
 F_LAW, F_MODEL, F_SENSE = 7, 9, 11  # two states of F each
 Y_LAST, P_LAST, U_MODEL, WAS_ADAPT = 13, 14, 15, 16
-MEMORY = 17
+PASS_IN, PASS_OUT = 17, 21  # the high-pass of e and of the three eta
+MEMORY = 25
 
 
 @njit
@@ -38,8 +39,8 @@ def _filter(b: Any, a: Any, state: Any, x: Any) -> float:
 
 
 @kernel(
-    'void(f8[:,:],f8[:,:],f8[:],f8[:],f8[:],f8[:,:],f8,f8,f8,f8,f8[:],f8[:],f8[:],f8[:])',
-    '(l,q),(r,q),(s),(g),(k),(t,o),(),(),(),()->(),(),(),(g)',
+    'void(f8[:,:],f8[:,:],f8[:],f8[:],f8[:],f8[:,:],f8,f8,f8,f8,f8[:],f8[:],f8[:],f8[:],f8[:],f8[:])',
+    '(l,q),(r,q),(s),(g),(k),(t,o),(),(),(),()->(),(),(),(g),(),(g)',
     writable=('memory', 'filters'),
 )
 def pid_step(
@@ -57,11 +58,17 @@ def pid_step(
     ym: Any,
     e: Any,
     eta: Any,
+    e_pass: Any,
+    eta_pass: Any,
 ) -> None:
     """Voltage, reference model's output, error, and the derivatives of y with respect to the three gains.
 
-    settings: T, forgetting of the powers per sample, 1 for the designed reference model, and 0 for sensitivities or
-    the polarity for the Lyapunov rule, whose `eta` are the regressors. scale: 0 where a gain does not adapt (eta is 0).
+    The adaptation takes both without their mean, e_pass and eta_pass: a bias in e makes the gain swing at the tone's
+    own frequency, and gain times tone is a mean voltage.
+
+    settings: T, forgetting of the powers per sample, 1 for the designed reference model, 0 for sensitivities or the
+    polarity for the Lyapunov rule, whose `eta` are the regressors, and the pole of the high-pass.
+    scale: 0 where a gain does not adapt (eta is 0).
     `adapt`: 1 in ADAPT, else 0.
     """
     q = loop.shape[1]
@@ -113,4 +120,11 @@ def pid_step(
             eta[j] = _filter(loop[1], den, filters[1 + j], s[j])
             if settings[3] != 0.0:
                 eta[j] = settings[3] * x[j]
-            memory[POWER + j] += settings[1] * (eta[j] * eta[j] - memory[POWER + j])
+    for j in range(4):
+        now = e[0] if j == 3 else eta[j]
+        memory[PASS_OUT + j] = settings[4] * (memory[PASS_OUT + j] + now - memory[PASS_IN + j])
+        memory[PASS_IN + j] = now
+        if j < 3:
+            eta_pass[j] = memory[PASS_OUT + j]
+            memory[POWER + j] += settings[1] * (eta_pass[j] * eta_pass[j] - memory[POWER + j])
+    e_pass[0] = memory[PASS_OUT + 3]
