@@ -10,7 +10,7 @@ Any rosbag2 bag will do that holds a schedule and the struts' topics, made by sa
 import dataclasses
 import struct
 from collections import Counter, defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ from rosbags.highlevel import AnyReader, AnyReaderError
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import parse_yaml
-from satvib_plant_sim.rig import Rig
+from satvib_plant_sim.any_rig import AnyRig, rig_from_mapping
 
 from satvib_bringup.recording import TOPICS, Group, Recording
 from satvib_bringup.scenario import Scenario
@@ -32,7 +32,7 @@ _SKIPPED = ('header', 'sequence')
 _DAMAGE = (AnyReaderError, OSError, ValueError, TypeError, KeyError, EOFError, AssertionError)
 
 
-def custom_data(scenario: Scenario, rig: Rig, realtime: bool) -> dict[str, str]:
+def custom_data(scenario: Scenario, rig: AnyRig, realtime: bool) -> dict[str, str]:
     """Give what the recorder stores in the bag beside the messages, as texts."""
     return {
         'satvib_scenario': yaml.safe_dump(scenario.to_mapping(), sort_keys=False),
@@ -138,8 +138,8 @@ def _collect(bag: Path, reader: AnyReader, custom: dict[str, str]) -> Recording:
         sequence=sequence,
         stamp=stamp,
         groups=groups,
-        scenario=_parsed(Scenario, scenario, f'{bag}: scenario'),
-        rig=_parsed(Rig, rig, f'{bag}: rig'),
+        scenario=_parsed(Scenario.from_mapping, scenario, f'{bag}: scenario'),
+        rig=_parsed(rig_from_mapping, rig, f'{bag}: rig'),
         realtime=custom.get('satvib_realtime') == 'true',
         seed=int(schedule.seed),
         source=str(bag),
@@ -164,8 +164,8 @@ def _late(reader: AnyReader) -> dict[str, int]:
     return said
 
 
-def _parsed(schema: Any, text: str | None, where: str) -> Any:
-    return schema.from_mapping(parse_yaml(text, where), where) if text else None
+def _parsed(build: Callable[[Any, str], Any], text: str | None, where: str) -> Any:
+    return build(parse_yaml(text, where), where) if text else None
 
 
 def _messages(reader: AnyReader, kind: str) -> Iterator[tuple[str, Any]]:

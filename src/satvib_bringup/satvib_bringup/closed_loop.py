@@ -28,8 +28,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_control.controller import ControllerCore
 from satvib_ident.identifier import IdentifierCore
-from satvib_plant_sim.plant import Plant
-from satvib_plant_sim.rig import Rig
+from satvib_plant_sim.any_rig import AnyRig, make_plant, strut_count
 
 from satvib_bringup.loop_recorder import LoopRecorder
 from satvib_bringup.recording import Recording
@@ -62,7 +61,7 @@ class ClosedLoop:
     """
 
     def __init__(
-        self, scenarios: Scenario | Sequence[Scenario], rigs: Sequence[Rig] | None = None
+        self, scenarios: Scenario | Sequence[Scenario], rigs: Sequence[AnyRig] | None = None
     ) -> None:
         single = isinstance(scenarios, Scenario)
         self.scenarios = [scenarios] if isinstance(scenarios, Scenario) else list(scenarios)
@@ -75,9 +74,9 @@ class ClosedLoop:
         disturbances = [scenario.make_disturbance() for scenario in self.scenarios]
         seeds = [scenario.seed for scenario in self.scenarios]
         self.plant = (
-            Plant(self.rigs[0], disturbances[0], seeds[0])
+            make_plant(self.rigs[0], disturbances[0], seeds[0])
             if single
-            else Plant(self.rigs, disturbances, seeds)
+            else make_plant(self.rigs, disturbances, seeds)
         )
         self.shape: tuple[int, ...] = () if single else (len(self.scenarios),)
         shape = (*self.shape, self.plant.struts)
@@ -97,10 +96,9 @@ class ClosedLoop:
             for name in shared:
                 if getattr(scenario, name) != getattr(first, name):
                     raise SatvibError(f'batch: scenarios differ in {name}, run them one by one')
-            if (
-                rig.acquisition.sample_rate != self.rigs[0].acquisition.sample_rate
-                or rig.struts.count != self.rigs[0].struts.count
-            ):
+            if rig.acquisition.sample_rate != self.rigs[0].acquisition.sample_rate or strut_count(
+                rig
+            ) != strut_count(self.rigs[0]):
                 raise SatvibError(
                     'batch: rigs differ in sample rate or struts, run them one by one'
                 )
@@ -157,7 +155,7 @@ def simulate_open_loop(recording: Recording) -> Recording:
     scenario, rig = recording.scenario, recording.rig
     if scenario is None or rig is None:
         raise SatvibError(f'{recording.source}: does not say which scenario and rig it is of')
-    plant = Plant(rig, scenario.make_disturbance(), recording.seed)
+    plant = make_plant(rig, scenario.make_disturbance(), recording.seed)
     end = int(recording.sequence[-1]) + 1
     samples = np.zeros((2, end, plant.struts))
     truths = np.zeros((2, end, plant.struts, plant.n_fine))

@@ -23,6 +23,7 @@ from typing import Any
 
 import yaml
 from satvib_common.phases import Phase, PhasePlan
+from satvib_plant_sim.any_rig import strut_count
 from satvib_plant_sim.parameters import PlantParameters
 
 from satvib_bringup.bag import custom_data

@@ -9,6 +9,7 @@ finds from the same excitation without noise and quantization is what noise keep
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.phases import Phase
+from satvib_plant_sim.any_rig import without_noise
 
 from satvib_bringup.closed_loop import ClosedLoop
 from satvib_bringup.recording import Recording
@@ -24,12 +25,8 @@ def perfect_parameters(recording: Recording) -> NDArray[np.float64] | None:
     spans = [end for phase, _, end in recording.phases() if phase is Phase.IDENTIFY]
     if scenario is None or rig is None or not spans:
         return None
-    quiet = rig.replace(
-        accelerometer=rig.accelerometer.replace(noise_rms=0.0),
-        acquisition=rig.acquisition.replace(input_bits=0),
-    )
     identification = None
-    for step in ClosedLoop(scenario, [quiet]).steps():
+    for step in ClosedLoop(scenario, [without_noise(rig)]).steps():
         if step.sequence * recording.sample_period >= spans[0]:
             break
         identification = step.identification

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
-from satvib_plant_sim.rig import Rig
+from satvib_plant_sim.any_rig import AnyRig, rig_from_mapping
 
 from satvib_bringup.scenario import Scenario
 
@@ -61,7 +61,7 @@ class Recording:
     stamp: NDArray[np.int64]
     groups: dict[str, Group]
     scenario: Scenario | None = None
-    rig: Rig | None = None
+    rig: AnyRig | None = None
     realtime: bool = False
     seed: int = 0
     source: str = 'simulation'
@@ -186,7 +186,7 @@ def load_npz(path: Path) -> Recording:
         stamp=stamp,
         groups=groups,
         scenario=Scenario.from_mapping(scenario, str(path)) if scenario else None,
-        rig=Rig.from_mapping(rig, str(path)) if rig else None,
+        rig=rig_from_mapping(rig, str(path)) if rig else None,
         realtime=about['realtime'],
         seed=about['seed'],
         source=about['source'],

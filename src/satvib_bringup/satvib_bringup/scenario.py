@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import Schema, load_yaml, param
+from satvib_plant_sim.any_rig import AnyRig, load_any_rig, strut_count
 
 from satvib_bringup.overrides import apply_overrides
 from satvib_bringup.settings import nearest, resolve_path
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from satvib_control.parameters import ControllerParameters
     from satvib_ident.parameters import IdentifierParameters
     from satvib_plant_sim.disturbance import Disturbance
-    from satvib_plant_sim.rig import Rig
 
 FOLDER = Path(__file__).parent / 'scenarios'
 
@@ -120,11 +120,9 @@ class Scenario(Schema):
         steps = [(Phase[step.phase], step.start) for step in self.phases]
         return PhasePlan.from_seconds(steps, self.duration, rate)
 
-    def load_rig(self) -> Rig:
+    def load_rig(self) -> AnyRig:
         """Give the rig with its overrides applied."""
-        from satvib_plant_sim.rig import load_rig
-
-        return load_rig(self.rig, self.rig_overrides)
+        return load_any_rig(self.rig, self.rig_overrides)
 
     def make_disturbance(self) -> Disturbance:
         """Give the disturbance."""
@@ -146,7 +144,7 @@ class Scenario(Schema):
         """Give the parameters of a strut's controller; `rate` in Hz, `strut` counts from 0."""
         from satvib_control.parameters import ControllerParameters
 
-        own = {'strut': strut, 'struts': self.load_rig().struts.count}
+        own = {'strut': strut, 'struts': strut_count(self.load_rig())}
         return ControllerParameters.from_mapping(
             self.controller | self._shared(rate, lockstep) | own,
             f'scenario {self.name}: controller',
@@ -215,9 +213,9 @@ def check_scenario(scenario: Scenario, where: str) -> None:
         scenario.identifier_parameters(rate)
         scenario.controller_parameters(rate)
         reference = len(scenario.analysis.reference)
-        if reference not in {0, rig.struts.count}:
+        if reference not in {0, strut_count(rig)}:
             raise SatvibError(
-                f'analysis.reference: {reference} figures for the {rig.struts.count} struts of {rig.name}'
+                f'analysis.reference: {reference} figures for the {strut_count(rig)} struts of {rig.name}'
             )
     except SatvibError as error:
         raise SatvibError(f'{where}: {error}') from None

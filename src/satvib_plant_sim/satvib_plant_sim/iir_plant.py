@@ -14,8 +14,6 @@ from satvib_plant_sim.disturbance.mixer import Mixer
 from satvib_plant_sim.iir_rig import IirRig, IirStrut
 from satvib_plant_sim.noise import NormalSource
 from satvib_plant_sim.observation import Sample, Truth
-from satvib_plant_sim.plant import Plant
-from satvib_plant_sim.rig import Rig
 
 Array = NDArray[np.float64]
 
@@ -112,12 +110,3 @@ def _filters(
         for i in (0, 1)
     )
     return IirFilter(b, a, (len(rigs), len(rigs[0].models)))
-
-
-def make_plant(
-    rig: Rig | IirRig, disturbance: Disturbance | Sequence[Disturbance], seed: int | Sequence[int]
-) -> Plant | IirPlant:
-    """Give the plant that fits a rig."""
-    if isinstance(rig, IirRig):
-        return IirPlant(rig, disturbance, seed)
-    return Plant(rig, disturbance, seed)

@@ -8,8 +8,8 @@ from typing import Any
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param, parse_yaml
 
+from satvib_plant_sim.any_rig import AnyRig, load_any_rig
 from satvib_plant_sim.disturbance import Disturbance, make_disturbance
-from satvib_plant_sim.rig import Rig, load_rig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,9 +58,9 @@ class PlantParameters(Schema):
             found[key.strip()] = parse_yaml(value, f'rig_overrides: {key.strip()}')
         return found
 
-    def load_rig(self) -> Rig:
+    def load_rig(self) -> AnyRig:
         """Load the rig with its overrides."""
-        return load_rig(self.rig, self.override_mapping())
+        return load_any_rig(self.rig, self.override_mapping())
 
     def make_disturbance(self) -> Disturbance:
         """Build the disturbance."""

@@ -1,12 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The node `plant_sim`: carries messages to and from `Plant`, and is the clock of the graph.
+"""The node `plant_sim`: carries messages to and from a plant, and is the clock of the graph.
 
 Lockstep: sample k of every strut is published; when every strut's voltage with `sequence` k is there, the plant
-advances and sample k + 1 follows. Stamps are k times the sample period from 0.
-
-Real time: samples are due at absolute instants of the steady clock; one that is overdue is made up for at once, so that
-the count follows the time and not the callbacks. The voltages' arrivals are measured.
+advances. Stamps are k periods from 0. Real time: samples are due at absolute instants of the steady clock; one that is
+overdue is made up for at once, so that the count follows the time. The voltages' arrivals are measured.
 """
 
 import math
@@ -25,11 +23,11 @@ from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
 
 from satvib_msgs.msg import Schedule, StrutAcceleration, StrutTruth, VcaVoltage
+from satvib_plant_sim.any_rig import make_plant
 from satvib_plant_sim.commands import Commands
 from satvib_plant_sim.lockstep import Answers
-from satvib_plant_sim.outgoing import StrutMessages
 from satvib_plant_sim.parameters import PlantParameters
-from satvib_plant_sim.plant import Plant
+from satvib_plant_sim.plant_messages import StrutMessages
 
 _CLOCK_PERIOD = 0.01  # s of wall time between two messages on /clock
 _HEAD_START = 0.2  # s from the schedule to sample 0 in real time, for the last readers to be found
@@ -44,7 +42,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
     def make(self) -> None:
         """Build the plant and a set of publishers per strut."""
         p = self.parameters
-        self.plant = plant = Plant(p.load_rig(), p.make_disturbance(), p.seed)
+        self.plant = plant = make_plant(p.load_rig(), p.make_disturbance(), p.seed)
         self.names = [f'strut_{i + 1}' for i in range(plant.struts)]
         self.messages = [
             StrutMessages(i, name, StrutAcceleration(), StrutTruth(), plant)
@@ -54,8 +52,8 @@ class PlantSimNode(SatvibNode[PlantParameters]):
             self.publish_on(StrutAcceleration, f'{name}/acceleration') for name in self.names
         ]
         self.truth_out = [self.publish_on(StrutTruth, f'{name}/truth') for name in self.names]
-        self.clock, self.clock_at = Clock(), 0.0
         self.clock_out = self.create_publisher(Clock, '/clock', qos_profile_sensor_data)
+        self.clock, self.clock_at = Clock(), 0.0
         self.answers = Answers(self.names)
         self.commands = Commands(plant.struts, p.command_timeout, plant.dt)
         self.k = -1  # the sample that is out
@@ -71,7 +69,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.destroy_publisher(self.clock_out)
 
     def begin(self) -> None:
-        """Listen; begin when the schedule is there, or at once."""
+        """Listen; begin with the schedule, or at once."""
         whole = wanted(whole=self.parameters.lockstep)
         self.listen_to(Schedule, 'schedule', self._on_schedule, wanted(whole=True))
         for i, name in enumerate(self.names):

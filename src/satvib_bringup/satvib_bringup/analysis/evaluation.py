@@ -143,9 +143,9 @@ def _attenuation(level: dict[str, Array], baseline: dict[str, Array]) -> dict[st
 def _noise(recording: Recording) -> float:
     if recording.rig is None:
         return float('nan')
-    from satvib_plant_sim.noise import noise_floor
+    from satvib_plant_sim.any_rig import noise_floor_of
 
-    return noise_floor(recording.rig)
+    return noise_floor_of(recording.rig)
 
 
 def _floor(

@@ -106,10 +106,10 @@ def true_response(context: Context, strut: int, frequency: Array) -> NDArray[np.
         strut: index.
         frequency: (f,) Hz.
     """
-    from satvib_plant_sim.sampled import discrete_strut_model
+    from satvib_plant_sim.any_rig import strut_response
 
     assert context.recording.rig is not None
-    return discrete_strut_model(context.recording.rig, strut).response(frequency)
+    return strut_response(context.recording.rig, strut, frequency)
 
 
 def response_errors(context: Context, strut: int) -> list[dict[str, float]]:

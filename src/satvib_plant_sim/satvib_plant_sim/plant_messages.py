@@ -6,7 +6,8 @@ from typing import Any
 
 from satvib_common.ros.convert import doubles, set_stamp
 
-from satvib_plant_sim.plant import Plant, Sample, Truth
+from satvib_plant_sim.any_rig import AnyPlant
+from satvib_plant_sim.plant import Sample, Truth
 
 
 class StrutMessages:
@@ -20,7 +21,9 @@ class StrutMessages:
         plant: for its periods.
     """
 
-    def __init__(self, index: int, name: str, acceleration: Any, truth: Any, plant: Plant) -> None:
+    def __init__(
+        self, index: int, name: str, acceleration: Any, truth: Any, plant: AnyPlant
+    ) -> None:
         self.index, self.name = index, name
         self.acceleration, self.truth = acceleration, truth
         acceleration.header.frame_id = name
