@@ -36,6 +36,8 @@ class ExtendedLeastSquares(RecursiveLeastSquares):
         limit: largest trace of P that forgetting may reach.
     """
 
+    keeps_signals = True
+
     def __init__(
         self,
         count: int,

@@ -182,13 +182,17 @@ class IdentifierCore:
             for recent in (self._residual, self._input, self._model_error):
                 recent.clear(~full)
         active = full & self._excited(voltage) & (phase in self._phases)
+        working = bool(active.any())
+        if not (working or self.estimator.keeps_signals):
+            self._last = self._report(k, np.full(self.shape, np.nan), changed=False)
+            return self._last
         error = self.estimator.update(w, target, active)
         used = self.estimator.used
         if used.any():
             self._input.push(voltage, used)
             self._model_error.push(upper - self._bias, voltage, used)
             self._residual.push(np.where(used, error, 0.0), used)
-        self._last = self._report(k, np.where(used, error, np.nan), bool(used.any()))
+        self._last = self._report(k, np.where(used, error, np.nan), changed=working)
         return self._last
 
     def reset(self) -> None:

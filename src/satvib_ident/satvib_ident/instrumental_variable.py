@@ -147,6 +147,8 @@ class InstrumentalVariable(RecursiveLeastSquares):
         auxiliary: the extended least-squares estimator.
     """
 
+    keeps_signals = True
+
     def __init__(
         self,
         poles: int,

@@ -49,6 +49,9 @@ class RecursiveLeastSquares:
         SatvibError: a count of zero, or an initial covariance that is not positive.
     """
 
+    # whether a sample that is not used must still be told, because later ones build on it
+    keeps_signals = False
+
     def __init__(
         self,
         count: int,

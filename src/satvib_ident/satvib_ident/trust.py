@@ -19,11 +19,38 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.kernel import kernel
 
 from satvib_ident.parameters import IdentifierParameters
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+
+@kernel('void(b1, b1, f8, f8, f8, f8, f8, f8, f8[:], i8[:])', '(),(),(),(),(),(),(),(),(l)->()')
+def _failed(few, finite, modulus, order, condition, deviation, error, colour, limits, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Number of the first check that fails, 0 if none.
+
+    What is not known (NaN: an estimator without covariance, a window not filled) fails none but the one on poles.
+    """
+    if few:
+        out[0] = 1
+    elif not finite:
+        out[0] = 2
+    elif not modulus < limits[0]:
+        out[0] = 3
+    elif order < limits[1]:
+        out[0] = 4
+    elif condition >= limits[2]:
+        out[0] = 5
+    elif deviation >= limits[3]:
+        out[0] = 6
+    elif error >= limits[4]:
+        out[0] = 7
+    elif colour > limits[5]:
+        out[0] = 8
+    else:
+        out[0] = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,18 +133,13 @@ def judge(
     p = parameters
     finite = np.asarray(np.logical_and.reduce(np.isfinite(theta), axis=-1))
     eigenvalue, condition = information
-    # the first failure counts, so the checks are laid over one another from the last to the first; what is not known
-    # (NaN: an estimator without covariance, a window not filled) fails none
-    failed = np.zeros(updates.shape, dtype=np.int64)
-    if p.trust_whiteness > 0.0:
-        failed = np.where(whiteness > p.trust_whiteness, 8, failed)
-    failed = np.where(model_error >= p.trust_error, 7, failed)
-    failed = np.where(response_deviation >= p.trust_deviation, 6, failed)
-    failed = np.where(condition >= p.trust_condition, 5, failed)
-    failed = np.where(excitation_order < p.count, 4, failed)
-    failed = np.where(~(pole_modulus < p.trust_pole_modulus), 3, failed)
-    failed = np.where(~finite, 2, failed)
-    failed = np.where(updates < p.trust_samples * p.count, 1, failed)
+    failed = _failed(
+        updates < p.trust_samples * p.count, finite, pole_modulus, excitation_order, condition,
+        response_deviation, model_error, whiteness, np.array([
+            p.trust_pole_modulus, p.count, p.trust_condition, p.trust_deviation, p.trust_error,
+            p.trust_whiteness or np.inf,
+        ]),
+    )  # fmt: skip
     return Verdict(
         p, updates, finite, pole_modulus, excitation_order, eigenvalue, condition,
         response_deviation, model_error, whiteness, np.asarray(failed),
