@@ -2,6 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The real node, guardian and serial line against the emulator. Truth: the states' diagram; the device's terminals."""
 
+import os
+import signal
+import time
+from pathlib import Path
+
 import pytest
 
 LOOPBACK = {'back_end': 'loopback', 'options': {'pace': 'lockstep'}}
@@ -141,3 +146,25 @@ def test_a_guardian_that_was_killed_is_replaced_by_reset(stand):
     assert stand.call('reset')[0]
     stand.until_state('IDLE')
     stand.drive()
+
+
+@pytest.mark.parametrize('victim', ['bridge', 'guardian'])
+def test_a_process_that_hangs_is_0_v_too(stand, victim):
+    """SIGSTOP, which no process notices: a bridge that hangs leaves its commands to grow old, a guardian that hangs
+    leaves the device alone; the bridge then replaces it."""
+    stand.write_channels()
+    stand.start_emulator()
+    stand.start_bridge(wait_for_schedule=False)
+    stand.start_answerers()
+    stand.until_state('IDLE')
+    stand.drive()
+    pid = stand.guardian() if victim == 'guardian' else stand.children['bridge'].pid
+    os.kill(pid, signal.SIGSTOP)
+    stand.zero_after(time.monotonic() - 0.05)
+    if victim == 'guardian':
+        stand.until_state('FAULT')
+        stand.until(lambda: not Path(f'/proc/{pid}').exists(), 'the end of the guardian that hangs')
+        assert stand.call('reset')[0]
+    else:
+        os.kill(pid, signal.SIGCONT)
+        stand.until_state('FAULT')

@@ -36,7 +36,7 @@ from satvib_daq_bridge.states import State
 
 # samples whose times are remembered; a command for an older one has no age and is refused
 _MEMORY = 256
-_FIGURES_EVERY = 1.0  # s
+_FIGURES_EVERY = 0.5  # s
 
 
 class Guardian:
@@ -83,7 +83,7 @@ class Guardian:
         device = self.back_end.fileno()
         wanted = [self.bridge.fileno(), *others] + ([device] if device >= 0 else [])
         wait = min(self.back_end.due(), self._stale_at()) - now
-        ready, _, _ = select.select(wanted, [], [], min(max(wait, 0.0), 0.5))
+        ready, _, _ = select.select(wanted, [], [], min(max(wait, 0.0), 0.25))
         # commands first: a voltage that is there already is not late
         self.hear()
         try:
@@ -97,6 +97,10 @@ class Guardian:
         except BackEndError as error:
             self._fault(str(error))
             self.over = True
+        # also the sign that this process lives, whatever the device does
+        if self.clock() - self._figures_at >= _FIGURES_EVERY:
+            self._figures_at = self.clock()
+            self._tell_figures()
         return [fd for fd in ready if fd in others]
 
     def hear(self) -> None:
@@ -175,9 +179,6 @@ class Guardian:
             self._fault(reading.fault)
         if self.state is not State.ACTIVE and not self.back_end.virtual:
             self._apply()
-        if reading.time - self._figures_at >= _FIGURES_EVERY:
-            self._figures_at = reading.time
-            self._tell_figures()
 
     def _ages(self, now: float) -> np.ndarray:
         if self.back_end.virtual:

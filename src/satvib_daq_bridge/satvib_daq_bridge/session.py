@@ -20,6 +20,9 @@ from satvib_daq_bridge.guardian_process import GuardianProcess
 from satvib_daq_bridge.parameters import BridgeParameters
 from satvib_daq_bridge.states import Transition
 
+# s; a guardian says something every half second, whatever its device does
+_HANGS = 3.0
+
 
 class Session:
     """From `configure` to `cleanup`.
@@ -71,7 +74,8 @@ class Session:
         bridge = self.bridge
         if self.guardian is not None:
             while message := self.guardian.line.receive():
-                published = bridge.take(message, time.monotonic())
+                self._heard = time.monotonic()
+                published = bridge.take(message, self._heard)
                 if published is not None:
                     found.append(published)
             self._bell.answer()
@@ -79,6 +83,11 @@ class Session:
                 if not bridge.over:
                     bridge.guardian_died(self.guardian.how())
                 self._let_go()
+            elif time.monotonic() - self._heard > _HANGS:
+                bridge.guardian_died(f'says nothing for {_HANGS:g} s and is replaced')
+                self._bell.stop()
+                self.guardian.zero_outputs()
+                self.guardian = None
         bridge.tick(time.monotonic())
         if bridge.bias.learnt != self._learnt:
             self._learnt = bridge.bias.learnt
@@ -107,6 +116,7 @@ class Session:
         self.guardian = GuardianProcess(self._setup)
         found = self.guardian.found
         self.notes += [found['found'], *(f'guardian: {text}' for text in found['refused'])]
+        self._heard = time.monotonic()
         self._bell = Bell(self.guardian.line.fileno(), self._ring)
         self._bell.start()
         return bool(found['virtual'])

@@ -36,15 +36,16 @@ def guard_of(max_age=MAX_AGE, **coil):
     return OutputGuard(coils, PERIOD, max_age)
 
 
-@settings(max_examples=150, deadline=None)
-@given(
+SEQUENCES = given(
     st.lists(CALL, min_size=20, max_size=60),
     st.sampled_from([0, 8, 12, 16]),
     st.sampled_from([1, -1]),
     st.floats(50.0, 5e4),
     st.floats(0.5, 20.0),
 )
-def test_whatever_comes_the_terminals_stay_lawful(calls, bits, polarity, slew, limit):
+
+
+def check_lawful(calls, bits, polarity, slew, limit):
     """Any sequence of commands, NaN, ages, states, intervals and resets: never above the limit, never faster than the
     slew limit except to 0 V, 0 V outside ACTIVE and while at fault, and always on a code that the converter has."""
     guard = guard_of(bits=bits, polarity=polarity, slew=slew, limit=limit, thermal_time=0.05)
@@ -69,6 +70,15 @@ def test_whatever_comes_the_terminals_stay_lawful(calls, bits, polarity, slew, l
             assert (out.coil == 0.0).all()
         assert bool(out.fault) or state is not State.ACTIVE or not bad
         before = out.coil
+
+
+def lawful(examples):
+    """The property below, so many times."""
+    return settings(max_examples=examples, deadline=None)(SEQUENCES(check_lawful))
+
+
+test_whatever_comes_the_terminals_stay_lawful = lawful(60)
+test_whatever_comes_the_terminals_stay_lawful_long = pytest.mark.long(lawful(3000))
 
 
 def test_a_fault_latches_and_names_its_channel():

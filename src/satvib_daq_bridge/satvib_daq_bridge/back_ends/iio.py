@@ -1,0 +1,188 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Back end `iio`: Linux Industrial I/O converters through libiio, here or on another machine (option `uri`).
+
+A device is the name or the id of an IIO device (`ad7606`, `iio:device0`); input and output i are its channels
+`voltage<i>`. The host keeps the time and reads and writes the attribute `raw`:
+
+    volts = (raw + offset) scale / 1000      scale is in mV per count, as the kernel says
+
+An IIO output holds its last value for ever, as a comedi one does.
+"""
+
+import contextlib
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from satvib_common.errors import SatvibError
+from satvib_common.schema import Schema, param
+
+from satvib_daq_bridge.back_ends.base import (
+    Array,
+    BackEnd,
+    BackEndError,
+    Reading,
+    missing_library,
+    options_of,
+)
+from satvib_daq_bridge.back_ends.ticker import Ticker
+from satvib_daq_bridge.channels import Channel, Channels
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(Schema):
+    """Settings of libiio."""
+
+    uri: str = param('local:', 'where the devices are: local:, ip:192.168.2.1, usb:')
+    patience: float = param(0.1, 'longest answer once samples flow', unit='s', minimum=0.001)
+
+
+@dataclass(frozen=True)
+class _Line:
+    """One channel: its attribute `raw`, and what a count means."""
+
+    name: str
+    raw: Any
+    offset: float
+    scale: float
+
+    def volts(self) -> float:
+        return (float(self.raw.value) + self.offset) * self.scale
+
+    def set(self, volts: float) -> None:
+        self.raw.value = str(math.floor(volts / self.scale - self.offset + 0.5))
+
+
+class IioDevices(BackEnd):
+    """Devices of one IIO context."""
+
+    def __init__(
+        self, channels: Channels, period: float, lifetime: float, options: Options
+    ) -> None:
+        super().__init__(channels, period, lifetime)
+        try:
+            import iio
+        except ImportError:
+            raise missing_library('iio', 'pylibiio', "pip install 'pylibiio<1'") from None
+        except (OSError, AttributeError, TypeError):
+            # the bindings are there, the library that they bind is not
+            raise missing_library('iio', 'libiio', 'apt install libiio0') from None
+        self._library = iio
+        self.options = options
+        self._context: Any = None
+        self._inputs: list[_Line] = []
+        self._outputs: list[_Line] = []
+        self._ticker = Ticker(period)
+
+    def open(self) -> str:
+        """Find every channel; outputs first, at 0 V."""
+        try:
+            self._context = self._library.Context(self.options.uri)
+        except OSError as error:
+            raise SatvibError(
+                f'iio: {self.options.uri}: {error.strerror or error}; is the device there, and iiod '
+                'running on it?'
+            ) from None
+        try:
+            self._outputs = [self._find(n, c, output=True) for n, c in self.channels.outputs]
+            self.write(np.zeros(len(self._outputs)), 0, False, 0.0)
+            self._inputs = [self._find(n, c, output=False) for n, c in self.channels.inputs]
+        except BackEndError as error:
+            raise SatvibError(str(error)) from None
+        devices = sorted({c.device for _, c in (*self.channels.inputs, *self.channels.outputs)})
+        return f'iio: {", ".join(devices)} at {self.options.uri}'
+
+    def start(self, now: float) -> None:
+        """Begin to tick; from now on nothing may take long."""
+        self._context.set_timeout(round(self.options.patience * 1e3))
+        self._ticker.start(now)
+
+    def due(self) -> float:
+        """The next tick."""
+        return self._ticker.due()
+
+    def poll(self, now: float) -> list[Reading]:
+        """Read all inputs when it is time."""
+        tick = self._ticker.take(now)
+        if tick is None:
+            return []
+        index, when = tick
+        volts = np.empty(len(self._inputs))
+        for i, line in enumerate(self._inputs):
+            with _told(line.name, 'read'):
+                volts[i] = line.volts()
+        return [Reading(index, when, volts, max(time.monotonic() - when, 0.0))]
+
+    def write(self, volts: Array, sequence: int, enable: bool, now: float) -> None:
+        """Write all outputs; one that fails does not keep the others from being written."""
+        del sequence, enable, now
+        failed: BackEndError | None = None
+        for line, value in zip(self._outputs, volts, strict=True):
+            try:
+                with _told(line.name, 'write'):
+                    line.set(float(value))
+            except BackEndError as error:
+                failed = failed or error
+        if failed is not None:
+            raise failed
+
+    def zero(self) -> None:
+        """Write 0 V to every output that was found."""
+        for line in self._outputs:
+            with contextlib.suppress(BackEndError), _told(line.name, 'write'):
+                line.set(0.0)
+
+    def close(self) -> None:
+        """Let go of the context."""
+        self._inputs, self._outputs = [], []
+        self._context = None
+
+    def figures(self) -> dict[str, float]:
+        """Ticks that were missed."""
+        return {'samples lost': float(self._ticker.lost)}
+
+    def _find(self, name: str, channel: Channel, output: bool) -> _Line:
+        where = f'{self.channels.where}: {name}'
+        device = self._context.find_device(channel.device)
+        if device is None:
+            known = ', '.join(d.name or d.id for d in self._context.devices) or 'none'
+            raise SatvibError(f'{where}: no IIO device {channel.device} (devices: {known})')
+        found = device.find_channel(f'voltage{channel.index}', output)
+        kind = 'output' if output else 'input'
+        if found is None:
+            raise SatvibError(f'{where}: {channel.device} has no {kind} voltage{channel.index}')
+        for attribute in ('raw', 'scale'):
+            if attribute not in found.attrs:
+                raise SatvibError(
+                    f'{where}: {kind} voltage{channel.index} has no attribute {attribute!r}'
+                )
+        with _told(where, 'read'):
+            offset = float(found.attrs['offset'].value) if 'offset' in found.attrs else 0.0
+            scale = float(found.attrs['scale'].value) / 1e3
+        if not (math.isfinite(scale) and scale > 0.0 and math.isfinite(offset)):
+            raise SatvibError(f'{where}: scale {scale:g} V and offset {offset:g} make no sense')
+        if channel.step and abs(scale / channel.step - 1.0) > 0.01:
+            raise SatvibError(
+                f'{where}: bits: range and bits mean {channel.step:g} V a count, the device says '
+                f'{scale:g} V'
+            )
+        return _Line(name, found.attrs['raw'], offset, scale)
+
+
+@contextlib.contextmanager
+def _told(where: str, what: str) -> Iterator[None]:
+    """Turn the library's errors into one line."""
+    try:
+        yield
+    except (OSError, ValueError) as error:
+        said = getattr(error, 'strerror', None) or str(error)
+        raise BackEndError(f'iio: {where}: {what}: {said}') from None
+
+
+def make(channels: Channels, period: float, lifetime: float) -> IioDevices:
+    """Build it."""
+    return IioDevices(channels, period, lifetime, options_of(Options, channels))
