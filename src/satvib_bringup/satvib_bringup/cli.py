@@ -10,7 +10,7 @@ import sys
 import typer
 from satvib_common.errors import RunError, SatvibError
 
-from satvib_bringup.commands import identify, listing, report, run, simulate, table
+from satvib_bringup.commands import identify, listing, report, run, simulate, study, table
 
 app = typer.Typer(
     name='satvib',
@@ -25,6 +25,7 @@ app.command('run')(run.run)
 app.command('simulate')(simulate.simulate)
 app.command('report')(report.report)
 app.command('identify')(identify.identify)
+app.command('study')(study.study)
 app.command('table')(table.table)
 app.command('scenarios')(listing.scenarios)
 app.command('rigs')(listing.rigs)

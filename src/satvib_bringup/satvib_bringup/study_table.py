@@ -43,6 +43,13 @@ def markdown(rows: Sequence[dict[str, Any]]) -> str:
     return '\n\n'.join(parts) + '\n'
 
 
+def plain_markdown(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Give one Markdown table of texts."""
+    lines = [f'| {" | ".join(headings)} |', '|' + '---|' * len(headings)]
+    lines += [f'| {" | ".join(row)} |' for row in rows]
+    return '\n'.join(lines) + '\n'
+
+
 def _number(value: float | None, name: str) -> str:
     if value is None:
         return '–'

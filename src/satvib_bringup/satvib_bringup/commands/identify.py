@@ -9,41 +9,91 @@ import typer
 
 
 def identify(
-    file: Annotated[Path, typer.Argument(help='CSV file with a header line.', metavar='FILE')],
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help='CSV file with a header line, or the bag or folder of a run.', metavar='FILE'
+        ),
+    ],
     input_column: Annotated[
-        str, typer.Option('--input', help='Column of the input, V.', metavar='COL')
-    ],
+        str | None, typer.Option('--input', help='CSV: column of the input, V.', metavar='COL')
+    ] = None,
     output_column: Annotated[
-        str, typer.Option('--output', help='Column of the output, m/s^2.', metavar='COL')
-    ],
-    order: Annotated[int, typer.Option('--order', help='Number of poles, n.', min=1, max=20)] = 2,
+        str | None,
+        typer.Option('--output', help='CSV: column of the output, m/s^2.', metavar='COL'),
+    ] = None,
+    strut: Annotated[int, typer.Option('--strut', help='Run: which strut, from 1.', min=1)] = 1,
+    order: Annotated[
+        list[int] | None,
+        typer.Option(
+            '--order', help='Poles, n; many times: orders to compare. Without it: 1 to 8.'
+        ),
+    ] = None,
     coefficients: Annotated[
         int | None,
-        typer.Option('--coefficients', help='Number of input coefficients, m; n + 1 if not given.'),
+        typer.Option('--coefficients', help='Input coefficients, m; n + 1 if not given.', min=1),
     ] = None,
     delay: Annotated[
-        int, typer.Option('--delay', help='Samples from an input to its first output.', min=0)
-    ] = 0,
+        int | None,
+        typer.Option(
+            '--delay', help='Samples from an input to its first output; 0, of a run 1.', min=0
+        ),
+    ] = None,
     sample_period: Annotated[
-        float, typer.Option('--sample-period', help='s; for poles in Hz and damping.')
-    ] = 1.0,
+        float | None,
+        typer.Option('--sample-period', help='CSV: s; without it a sample is a second.'),
+    ] = None,
+    method: Annotated[
+        str, typer.Option('--method', help='least_squares, extended or instrumental.')
+    ] = 'least_squares',
+    criterion: Annotated[
+        str, typer.Option('--criterion', help='Chooses the order: validation, bic or aic.')
+    ] = 'validation',
     save: Annotated[
         Path | None, typer.Option('--save', help='Write the model as YAML.', metavar='FILE')
     ] = None,
+    plots: Annotated[
+        Path | None,
+        typer.Option(
+            '--plots', help='Draw fit, residual, poles and zeros, Bode.', metavar='FOLDER'
+        ),
+    ] = None,
 ) -> None:
-    """Identify a model by recursive least squares and print it, its poles and its fits."""
+    """Identify a model of a record by recursive estimation; compare orders, and say which one and why."""
     from satvib_common.errors import SatvibError
 
     from satvib_bringup.console import make_console
-    from satvib_bringup.csv_record import read_columns
-    from satvib_bringup.offline_identification import identify_record, show_model
+    from satvib_bringup.identification_view import show_identification
+    from satvib_bringup.record import bag_record, csv_record
 
-    if not sample_period > 0.0:
+    if sample_period is not None and not sample_period > 0.0:
         raise SatvibError(f'--sample-period: {sample_period} is not above 0 s')
-    u, y = read_columns(file, [input_column, output_column])
-    found = identify_record(u, y, sample_period, order, coefficients or order + 1, delay)
-    show_model(make_console(), found, file.name)
-    if save is not None:
-        from satvib_ident.model_file import save_model
+    for wanted in order or []:
+        if wanted < 1:
+            raise SatvibError(f'--order: {wanted} is less than 1')
+    for target in (save, plots):
+        if target is not None and target.exists():
+            raise SatvibError(f'{target}: exists already, not overwritten')
+    if file.suffix.lower() in {'.csv', '.tsv', '.txt'}:
+        record = csv_record(file, input_column, output_column, sample_period)
+    else:
+        record = bag_record(file, strut)
+    late = record.delay if delay is None else delay
+    orders = [(n, coefficients or n + 1, late) for n in order or range(1, 9)]
 
-        save_model(save, found.model)
+    from satvib_ident.model_file import save_model
+    from satvib_ident.offline import identify as identify_offline
+    from satvib_ident.plots import save_plots
+
+    try:
+        result = identify_offline(record.y, record.u, record.dt, orders, method, criterion)
+    except SatvibError as error:
+        raise SatvibError(f'{record.name}: {error}') from None
+    console = make_console()
+    show_identification(console, result, record.name)
+    if save is not None:
+        save_model(save, result.model, {**result.about(), 'record': record.name})
+        console.print(f'model: {save}', soft_wrap=True)
+    if plots is not None:
+        save_plots(result, plots)
+        console.print(f'plots: {plots}', soft_wrap=True)

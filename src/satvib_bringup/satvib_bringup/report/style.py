@@ -82,6 +82,11 @@ def figure(path: Path, rows: int, columns: int = 1, **options: Any) -> Iterator[
         drawn, axes = plt.subplots(rows, columns, figsize=size, squeeze=False, **options)
         try:
             yield drawn, axes
+            # lay out once; otherwise saving does it twice, and it is most of the time
+            engine = drawn.get_layout_engine()
+            if engine is not None:
+                engine.execute(drawn)
+                drawn.set_layout_engine('none')
             drawn.savefig(path)
         finally:
             plt.close(drawn)
