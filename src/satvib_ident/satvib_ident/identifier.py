@@ -117,18 +117,21 @@ class IdentifierCore:
             parameters.poles,
             parameters.coefficients,
         )
-        self._input = RecentSignal(parameters.measure_window, shape)
+        rate = parameters.sample_rate
+        window = max(parameters.measure_window or round(2.0 * rate), 20)
+        self._period = parameters.measure_period or max(round(0.05 * rate), 1)
+        self._input = RecentSignal(window, shape)
         self._model_error = ModelError(
             self._response.frequencies,
             parameters.dt,
             parameters.poles,
             parameters.coefficients,
-            parameters.measure_window,
-            parameters.error_lags,
+            window,
+            parameters.error_lags or min(max(round(0.2 * rate), 10), 100),
             shape,
         )
-        self._residual = RecentSignal(parameters.measure_window, shape)
-        self._hold = round(parameters.input_hold * parameters.sample_rate)
+        self._residual = RecentSignal(window, shape)
+        self._hold = round(parameters.input_hold * rate)
         self._not_finite = np.zeros(shape)
         self._unknown = np.zeros(shape)
         self._begin()
@@ -224,7 +227,7 @@ class IdentifierCore:
         if last is not None and not changed:
             return replace(last, sequence=k, prediction_error=error, bias=self._bias)
         theta, covariance = self.regressor.model(estimator.theta, estimator.covariance)
-        if self._measured is None or k % p.measure_period == p.measure_period - 1:
+        if self._measured is None or k % self._period == self._period - 1:
             self._measured = self._measure(theta, covariance)
         v = self._measured
         diagonal = np.diagonal(covariance, axis1=-2, axis2=-1)
@@ -258,7 +261,7 @@ class IdentifierCore:
             self.estimator.updates,
             theta,
             np.asarray(pole_modulus(theta[..., : p.poles])),
-            self._input.excitation_order(2 * p.count),
+            self._input.excitation_order(p.count + 5),
             self.estimator.information(),
             self._response(theta, covariance),
             self._model_error(theta),

@@ -3,8 +3,9 @@
 """Running measures of excitation and of residuals, over a window of recent samples.
 
 Order of persistent excitation: the largest L for which the covariance of [u(k), u(k-1) ... u(k-L+1)] over the window
-is positive definite, by its Cholesky pivots: pivot L is the share of u(k-L+1) that the others do not already tell. F
-sines give 2 F, a constant 1, silence 0. A model with n poles and m coefficients needs n + m.
+is positive definite. The lagged copies are made orthogonal one after the other (modified Gram-Schmidt, twice, which
+resolves far more than the covariance itself would); the order ends where nothing is left of a copy. F sines give 2
+F, a constant 1, silence 0. A model with n poles and m coefficients needs n + m.
 
 Whiteness: the Ljung-Box statistic Q = N (N + 2) sum_{j=1..h} r_j^2 / (N - j) of the residual's autocorrelations r_j
 over h; for a white residual Q is chi-squared with h degrees of freedom, so Q / h is about 1.
@@ -20,8 +21,8 @@ from satvib_common.kernel import kernel
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-# A pivot below this share of the signal's power is rounding: 1 Hz and 2 Hz sines at 100 Hz have a last pivot of 1e-8.
-PIVOT = 1e-11
+# What orthogonalization leaves below this share of the power is rounding; 1 Hz and 2 Hz sines at 1 kHz leave 2e-13.
+REST = 1e-24
 
 
 @kernel('void(f8, b1, f8[:], f8[:], f8[:])', '(),(),(v),(s)->()', writable=('ring', 'state'))
@@ -52,40 +53,42 @@ def _products(x, first, sums):  # type: ignore[no-untyped-def]  # noqa: ANN001, 
             sums[j] += value * x[k - j]
 
 
-@kernel('void(f8[:], f8[:], f8[:,:], f8[:])', '(v),(s),(l,l)->()', writable=('work',))
-def _order(ring, state, work, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+@kernel('void(f8[:], f8[:], f8, f8[:])', '(v),(s),()->()')
+def _order(ring, state, most, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     size = ring.shape[0] // 2
     held = int(state[0])
-    limit = min(work.shape[0], held // 2)
+    limit = min(int(most), held // 2)
     out[0] = 0.0
     if limit == 0:
         return
     start = int(state[1]) + size - held
     x = ring[start : start + held]
-    # covariance of lagged copies over the samples where all lags exist
-    _products(x, limit - 1, work[0, :limit])
-    for i in range(1, limit):
-        for j in range(i, limit):
-            work[i, j] = (
-                work[i - 1, j - 1] + x[limit - 1 - i] * x[limit - 1 - j] - x[held - i] * x[held - j]
-            )
-    power = work[0, 0]
-    if not 1e-250 < power < 1e250:
-        return
-    for i in range(limit):
-        pivot = work[i, i]
-        for k in range(i):
-            pivot -= work[k, i] * work[k, i]
-        if not pivot > PIVOT * power:
+    rows = held - limit + 1
+    columns = np.empty((limit, rows))
+    power = 0.0
+    for j in range(limit):
+        for k in range(rows):
+            columns[j, k] = x[limit - 1 - j + k]
+        for _ in range(2):  # once more takes out what rounding has left of the others
+            for i in range(j):
+                share = 0.0
+                for k in range(rows):
+                    share += columns[i, k] * columns[j, k]
+                for k in range(rows):
+                    columns[j, k] -= share * columns[i, k]
+        left = 0.0
+        for k in range(rows):
+            left += columns[j, k] * columns[j, k]
+        if j == 0:
+            power = left
+            if not 1e-200 < power < 1e200:
+                return
+        if not left > REST * power:
             return
-        out[0] = i + 1.0
-        root = np.sqrt(pivot)
-        work[i, i] = root
-        for j in range(i + 1, limit):
-            total = work[i, j]
-            for k in range(i):
-                total -= work[k, i] * work[k, j]
-            work[i, j] = total / root
+        out[0] = j + 1.0
+        root = np.sqrt(left)
+        for k in range(rows):
+            columns[j, k] /= root
 
 
 @kernel('void(f8[:], f8[:], f8[:], f8[:], f8[:])', '(v),(s),(l)->(l),()')
@@ -122,7 +125,6 @@ class RecentSignal:
     def __init__(self, window: int, shape: tuple[int, ...] = ()) -> None:
         self._ring = np.zeros((*shape, 2 * window))
         self._state = np.zeros((*shape, 2))
-        self._shape = shape
 
     def push(self, value: Array, active: Mask | bool = True) -> None:
         """Take a value (shape) where `active` (shape) holds; finite there."""
@@ -134,8 +136,7 @@ class RecentSignal:
 
     def excitation_order(self, limit: int) -> Array:
         """Order of persistent excitation, (shape); no more than `limit`, nor than half the samples held."""
-        work = np.zeros((*self._shape, limit, limit))
-        return np.asarray(_order(self._ring, self._state, work))
+        return np.asarray(_order(self._ring, self._state, float(limit)))
 
     def whiteness(self, lags: int) -> Array:
         """Ljung-Box statistic over `lags`, divided by it, (shape); NaN with fewer than 3 lags samples or no power."""

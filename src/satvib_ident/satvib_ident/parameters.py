@@ -144,17 +144,17 @@ class IdentifierParameters(LoopParameters):
     )  # fmt: skip
 
     measure_period: int = param(
-        1, 'samples between evaluations of the measures of trust', unit='samples', minimum=1,
-        read_only=True,
+        0, 'samples between evaluations of the measures of trust; 0: those of 0.05 s',
+        unit='samples', minimum=0, read_only=True,
     )  # fmt: skip
     measure_window: int = param(
-        200, 'samples that excitation order and whiteness look at', unit='samples', minimum=20,
-        maximum=100000, read_only=True,
+        0, 'samples that excitation order, whiteness and residual are looked at; 0: those of 2 s',
+        unit='samples', minimum=0, maximum=1000000, read_only=True,
     )  # fmt: skip
     whiteness_lags: int = param(10, 'lags of the whiteness test, h', minimum=1, read_only=True)
     error_lags: int = param(
-        20, 'length of the filter that looks for the input in the residual', unit='samples', minimum=1,
-        maximum=1000, read_only=True,
+        0, 'length of the filter that looks for the input in the residual; 0: the samples of 0.2 s, '
+        '10 to 100', unit='samples', minimum=0, maximum=1000, read_only=True,
     )  # fmt: skip
     trust_samples: int = param(10, 'samples per parameter that a trusted model needs', minimum=1)
     trust_pole_modulus: float = param(
