@@ -1,3 +1,231 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""One sample of law narrowband: disturbance observer, tones, margin, voltage, back-off."""
+"""One sample of law narrowband: disturbance observer, tones, voltage, margin, back-off; see `narrowband`.
+
+The voltage of a tone is faded in over two wanted paces, so that a model with a wrong phase turns the tracked tone
+slowly.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from satvib_common.kernel import kernel
+
+from satvib_control.tone_margin import respond, stretch
+from satvib_control.tone_search import HOPS_PER_WINDOW, search
+from satvib_control.tone_tracker import (
+    FADE,
+    FIRST_HOLD,
+    HOLD,
+    IM,
+    NEXT_HOLD,
+    OMEGA,
+    ON,
+    PACE,
+    POINTER,
+    POWER_U,
+    POWER_Y,
+    RE,
+    SEEN,
+    SENSITIVITY,
+    SILENT,
+    SLOW,
+    STRETCH,
+    TOP,
+    TROUBLE,
+    USELESS,
+    VOLTAGE,
+    WANTED,
+    correct,
+    predict,
+    prune,
+)  # fmt: skip
+from satvib_control.tone_watch import harmful, lost
+
+# places in what the step shows
+SHOW_ERROR, SHOW_OMEGA, SHOW_VOLTS, SHOW_PEAK = range(4)
+SHOW_MOVING, SHOW_LIMITED, SHOW_HELD, SHOW_SLOW = range(4, 8)
+SHOW = 8
+RAMP = 0.5
+
+
+@njit
+def _observe(b, a, state, applied, y):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Give d = y - G u: step the model by the voltage of the sample before; its first coefficient is 0."""
+    order = state.shape[0]
+    out = state[0]
+    for i in range(order - 1):
+        state[i] = state[i + 1] + b[i + 1] * applied - a[i + 1] * out
+    state[order - 1] = b[order] * applied - a[order] * out
+    return y - state[0]
+
+
+@njit
+def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Take a sample of the disturbance; give the error. True: this was the sample of a search."""
+    window = rings.shape[1]
+    step = math.pi / window
+    expected = predict(tones)
+    if not valid:
+        return 0.0, False
+    e = d - expected
+    correct(tones, settings, common, floor, step, e)
+    pointer = int(common[POINTER])
+    rings[0, pointer] = e
+    rings[1, pointer] = d
+    common[POINTER] = float((pointer + 1) % window)
+    common[SEEN] += 1.0
+    if lost(common, settings, e, d):
+        common[TROUBLE] = 0.0
+        common[TOP] = 0.0
+        rings[0, :] = rings[1, :]
+        for i in range(tones.shape[0]):
+            tones[i, ON] = 0.0
+    hop = max(window // HOPS_PER_WINDOW, 1)
+    if common[SEEN] >= window // 2 and int(common[SEEN]) % hop == 0:
+        prune(tones, settings, floor, step, window)
+        search(tones, settings, common, rings[0], floor, step)
+        return e, True
+    return e, False
+
+
+@njit
+def _share(volts, limit, share):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Share a voltage limit among amplitudes, the small ones first; True where somebody got less."""
+    count = volts.shape[0]
+    order = np.argsort(volts)
+    rest = limit
+    short = False
+    for j in range(count):
+        i = order[j]
+        fair = rest / (count - j)
+        share[i] = 1.0
+        if volts[i] > fair:
+            share[i] = fair / volts[i]
+            short = True
+        rest -= volts[i] * share[i]
+    return short
+
+
+@njit
+def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """One sample of one item: give the voltage.
+
+    Args:
+        design: b, a, settings, points of the margin.
+        memory: model's state, common, tones, rings, floor; changed.
+        y: m/s^2.
+        applied: V, between the sample before and this one.
+        valid: y was measured.
+        act: the voltage is used.
+        show: changed.
+    """
+    b, a, settings, points = design
+    state, common, tones, rings, floor = memory
+    count = tones.shape[0]
+    d = _observe(b, a, state, applied, y)
+    e, searched = _track(settings, common, tones, rings, floor, d, valid)
+    inverse = np.zeros(count, dtype=np.complex128)
+    gain = np.zeros(count)
+    volts = np.zeros(count)
+    share = np.zeros(count)
+    strongest = 0.0
+    show[SHOW_OMEGA] = np.nan
+    show[SHOW_MOVING] = 0.0
+    show[SHOW_HELD] = 0.0
+    for i in range(count):
+        t = tones[i]
+        if t[ON] == 0.0:
+            continue
+        response = respond(b, a, t[OMEGA])
+        gain[i] = abs(response)
+        if gain[i] == 0.0:
+            continue
+        inverse[i] = 1.0 / response
+        amplitude = math.sqrt(t[RE] * t[RE] + t[IM] * t[IM])
+        volts[i] = amplitude / gain[i]
+        show[SHOW_MOVING] = 1.0
+        if amplitude > strongest:
+            strongest = amplitude
+            show[SHOW_OMEGA] = t[OMEGA]
+    short = _share(volts, settings[VOLTAGE], share)
+    if valid and harmful(common, settings, y, d, act and common[HOLD] == 0.0):
+        common[HOLD] = max(common[NEXT_HOLD], settings[FIRST_HOLD])
+        common[NEXT_HOLD] = min(2.0 * common[HOLD], 60.0 * settings[FIRST_HOLD])
+        common[SLOW] = min(2.0 * common[SLOW], 8.0)
+        common[STRETCH] = max(common[STRETCH], common[SLOW])
+        for place in (USELESS, POWER_Y, POWER_U, SILENT):
+            common[place] = 0.0
+        for i in range(count):
+            tones[i, ON] = 0.0
+    if common[HOLD] > 0.0:
+        common[HOLD] = max(common[HOLD] - 1.0, 0.0)
+        act = False
+        show[SHOW_HELD] = 1.0
+    u = 0.0
+    for i in range(count):
+        t = tones[i]
+        if t[ON] == 0.0 or volts[i] == 0.0:
+            continue
+        inverse[i] *= share[i]
+        if act and t[PACE] > 0.0:
+            t[FADE] = min(t[FADE] + RAMP / settings[WANTED], 1.0)
+        elif not act:
+            t[FADE] = 0.0
+        u -= t[FADE] * (t[RE] * inverse[i].real - t[IM] * inverse[i].imag)
+    if searched:
+        stretch(tones, inverse, points, settings, common)
+    total = 0.0
+    for i in range(count):
+        total += volts[i] * share[i] * tones[i, FADE]
+    show[SHOW_ERROR] = e
+    show[SHOW_VOLTS] = total
+    show[SHOW_PEAK] = common[SENSITIVITY]
+    show[SHOW_LIMITED] = 1.0 if short else 0.0
+    show[SHOW_SLOW] = 1.0 if common[STRETCH] > 1.0 else 0.0
+    return u
+
+
+# b, a, settings, points; model's state, common, tones, rings, floor
+ITEM = 'f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:,:], f8[:,:], f8[:]'
+LAYOUT = '(m),(m),(p),(q,r),(k),(c),(t,s),(z,w),(g)'
+WRITABLE = ('state', 'c', 'tones', 'rings', 'floor', 'show')
+
+
+@kernel(f'void({ITEM}, f8, f8, f8, f8, f8[:], f8[:])', f'{LAYOUT},(),(),(),(),(h)->()', WRITABLE)
+def narrowband_step(  # type: ignore[no-untyped-def]  # noqa: ANN201
+    b, a, s, points, state, c, tones, rings, floor, y, applied, valid, act, show, u,  # noqa: ANN001
+):  # fmt: skip
+    """Give the voltage of one sample; see `one`. `valid`: 1, 0, or -1 where there is no model: nothing is done."""
+    if valid < 0.0:
+        u[0] = 0.0
+        return
+    memory = (state, c, tones, rings, floor)
+    u[0] = one((b, a, s, points), memory, y, applied, valid > 0.0, act > 0.0, show)
+
+
+@kernel(f'void({ITEM}, f8[:,:], f8, f8, f8[:], f8[:])', f'{LAYOUT},(l,v),(),(),(h)->()', WRITABLE)
+def narrowband_replay(  # type: ignore[no-untyped-def]  # noqa: ANN201
+    b, a, s, points, state, c, tones, rings, floor, past, begin, follow, show, done,  # noqa: ANN001
+):  # fmt: skip
+    """Run over the past, whose oldest row is at `begin`.
+
+    Args:
+        past: (l, 3) y, voltage before it, and 1: measured, 0: not measured, -1: no such sample.
+        follow: 1: model and tones, 0: the model alone, -1: nothing.
+        done: out, samples run.
+    """
+    length = past.shape[0]
+    done[0] = 0.0
+    act = follow > 1.0  # False, of the type that the step has
+    for i in range(length):
+        row = past[(int(begin) + i) % length]
+        if row[2] < 0.0 or follow < 0.0:
+            continue
+        if follow > 0.0:
+            memory = (state, c, tones, rings, floor)
+            one((b, a, s, points), memory, row[0], row[1], row[2] > 0.0, act, show)
+        else:
+            _observe(b, a, state, row[1], row[0])
+        done[0] += 1.0
