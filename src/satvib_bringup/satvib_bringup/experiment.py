@@ -77,14 +77,18 @@ def run_experiment(
 def _refuse_company(observer: Observer) -> None:
     deadline = time.monotonic() + _LOOK_AROUND
     while time.monotonic() < deadline:
-        others = observer.others()
-        if others:
-            domain = os.environ.get('ROS_DOMAIN_ID', '0')
-            raise SatvibError(
-                f'domain {domain}: a satvib graph is already alive here ({", ".join(others[:3])}'
-                f'{", ..." if len(others) > 3 else ""}); stop it, or set another ROS_DOMAIN_ID'
-            )
+        if others := list(observer.nodes()):
+            raise SatvibError(_company(others))
         time.sleep(0.05)
+
+
+def _company(others: list[str]) -> str:
+    domain = os.environ.get('ROS_DOMAIN_ID', '0')
+    named = ', '.join(others[:3]) + (', ...' if len(others) > 3 else '')
+    return (
+        f'domain {domain}: a satvib graph is already alive here ({named}); stop it, or set '
+        'another ROS_DOMAIN_ID'
+    )
 
 
 @contextlib.contextmanager
@@ -147,12 +151,15 @@ class _Run:
         supervisor.start(process.full_name, [str(path), *process.arguments(parameters)])
 
     def _gather(self, supervisor: Supervisor, observer: Observer) -> None:
-        """Wait until every topic has its writer and its readers."""
+        """Wait until every node is there and every topic has its writer and its readers."""
         deadline = time.monotonic() + _START
         while missing := observer.missing():
             self._look_for_the_dead(supervisor)
+            if strangers := observer.strangers():
+                raise _EndedError(_company(strangers), 2)
             if time.monotonic() > deadline:
-                raise _EndedError(f'the graph is not complete after {_START:g} s: {missing[0]}', 1)
+                named = ', '.join(missing[:3]) + (', ...' if len(missing) > 3 else '')
+                raise _EndedError(f'the graph is not complete after {_START:g} s: {named}', 1)
             time.sleep(_POLL)
 
     def _watch(

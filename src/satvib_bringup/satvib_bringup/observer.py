@@ -8,6 +8,7 @@ The controllers' states are looked at a few times a second through readers of de
 import contextlib
 import math
 import time
+from collections import Counter
 from functools import partial
 from types import TracebackType
 from typing import Any, Self
@@ -77,18 +78,25 @@ class Observer:
             self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
 
-    def others(self) -> list[str]:
-        """Satvib nodes that are in this domain, with their namespaces."""
-        return sorted(
-            f'{namespace.rstrip("/")}/{name}'
+    def nodes(self) -> Counter[str]:
+        """Satvib nodes that are in this domain, by full name without the leading slash."""
+        return Counter(
+            f'{namespace}/{name}'.lstrip('/')
             for name, namespace in self._node.get_node_names_and_namespaces()
             if name in _OURS
         )
 
+    def strangers(self) -> list[str]:
+        """Satvib nodes that are not of this graph, or there twice."""
+        own = Counter(process.full_name for process in self.graph.processes)
+        return sorted((self.nodes() - own).elements())
+
     def missing(self) -> list[str]:
-        """Topics that still lack a writer or a reader of the graph."""
+        """What is not there yet: nodes, or when all are, topics that lack a writer or a reader."""
+        nodes = self.nodes()
+        absent = [p.full_name for p in self.graph.processes if not nodes[p.full_name]]
         node = self._node
-        return [
+        return absent or [
             topic
             for topic, readers in self.graph.readers().items()
             if node.count_publishers(topic) < 1 or node.count_subscribers(topic) < readers

@@ -25,6 +25,8 @@ from satvib_bringup.recorder import RecorderParameters, Topic
 from satvib_bringup.topics import SHARED_TOPICS, STRUT_TOPICS
 from satvib_msgs.msg import Schedule
 
+_GATHER = 0.02  # s
+
 
 class RecorderNode(SatvibNode[RecorderParameters]):
     """Records the graph."""
@@ -64,6 +66,10 @@ class RecorderNode(SatvibNode[RecorderParameters]):
             path.write_text(json.dumps(report, indent=2) + '\n', encoding='utf-8')
         count = sum(topic.count for topic in self.topics.values())
         self.get_logger().info(f'{count} messages of {len(report)} topics in {self.sink.folder}')
+
+    def pause(self) -> float:
+        """Nobody waits for the recorder, and writers keep a second's worth."""
+        return _GATHER
 
     def sources_left(self) -> bool:
         """Whether any strut still speaks; this node itself speaks on /diagnostics."""

@@ -23,6 +23,9 @@ from satvib_ident.pairing import Pairing
 from satvib_ident.parameters import IdentifierParameters
 from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration, VcaVoltage
 
+_GATHER = 0.005  # s
+_NEAR = 9  # samples
+
 
 class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
     """Identifies one strut."""
@@ -46,6 +49,15 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self.listen_to(Schedule, self.shared('schedule'), self._on_schedule, wanted(whole=True))
         self.listen_to(VcaVoltage, 'voltage', self._on_voltage, qos)
         self.listen_to(StrutAcceleration, 'acceleration', self._on_acceleration, qos)
+
+    def pause(self) -> float:
+        """In lockstep nobody waits for a model until the next hand-over is near; that saves wake-ups."""
+        plan, last = self.plan, self.pairing.samples.last
+        if plan is None or last is None or not self.parameters.lockstep:
+            return 0.0
+        period = self.parameters.model_period
+        near = any(plan.handoff(k, period) for k in range(last, last + _NEAR))
+        return 0.0 if near else _GATHER
 
     def reset(self) -> str:
         """Begin to estimate anew."""

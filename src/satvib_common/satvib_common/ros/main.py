@@ -72,6 +72,10 @@ def _run(node: SatvibNode[Any]) -> int:
     while not node.ended and rclpy.ok():
         wait = node.tick() if node.active else _SLICE
         node.wake = Future()
+        pause = node.pause()
+        if pause > 0.0:
+            time.sleep(pause)
+            wait = 0.0
         if not node.ended:
             executor.spin_until_future_complete(node.wake, timeout_sec=min(wait, _SLICE))
     _drain(node, executor)

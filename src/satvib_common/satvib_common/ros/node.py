@@ -103,6 +103,13 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         """Do what is due by the steady clock; gives how long the loop may wait, in s."""
         return 0.1
 
+    def pause(self) -> float:
+        """How long messages may gather before they are worked on, in s; 0: at once.
+
+        A message that wakes a process costs 50-100 us, one of a heap 5 us.
+        """
+        return 0.0
+
     # ---- what a subclass uses
 
     @property
