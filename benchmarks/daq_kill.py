@@ -31,14 +31,13 @@ VICTIMS = {
 
 
 def measure(
-    stand: Stand, victims: tuple[str, ...], rate: float, timeout: float, priority: int
+    stand: Stand, victims: tuple[str, ...], rate: float, timeout: float
 ) -> tuple[float, str]:
     """One kill; gives ms and who put the outputs to 0 V."""
     if 'bridge' not in stand.children:
         stand.states.clear()
         stand.start_bridge(
-            wait_for_schedule=False, sample_rate=rate, command_timeout=timeout, priority=priority,
-            guardian_priority=min(priority + 1, 99) if priority else 0,
+            wait_for_schedule=False, sample_rate=rate, command_timeout=timeout
         )  # fmt: skip
         stand.until_state('IDLE')
     if 'answerer_1' not in stand.children or 'answerer_2' not in stand.children:
@@ -82,13 +81,13 @@ def main() -> int:
         quick = Path(folder, 'profiles.xml')
         quick.write_text(profiles.replace('<leaseDuration><sec>20<', '<leaseDuration><sec>2<'))
         os.environ['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(quick)
-        stand = Stand(Path(folder))
+        stand = Stand(Path(folder), given.priority)
         try:
             stand.write_channels()
-            stand.start_emulator(priority=given.priority)
+            stand.start_emulator()
             for name in given.only or VICTIMS:
                 found = [
-                    measure(stand, VICTIMS[name], given.rate, given.timeout, given.priority)
+                    measure(stand, VICTIMS[name], given.rate, given.timeout)
                     for _ in range(given.times)
                 ]
                 times = [ms for ms, _ in found]

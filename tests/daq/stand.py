@@ -20,10 +20,13 @@ LIMIT = 60.0  # s, for anything that happens within a second on a machine of its
 FORGIVEN = ('stale', 'missed', 'no sample', 'publishers')
 
 
-def _ahead_of_others():
+def _ahead_of_others(priority):
     """Where that is permitted: the stand shares its machine with other tests."""
     with contextlib.suppress(OSError):
-        os.setpriority(os.PRIO_PROCESS, 0, -15)
+        if priority:
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+        else:
+            os.setpriority(os.PRIO_PROCESS, 0, -15)
 
 
 class Stand:
@@ -31,17 +34,18 @@ class Stand:
 
     Args:
         folder: for channels, port and logs.
+        priority: SCHED_FIFO priority of every process; 0: the ordinary scheduler.
     """
 
-    def __init__(self, folder):
-        self.folder = folder
+    def __init__(self, folder, priority=0):
+        self.folder, self.priority = folder, priority
         self.port = folder / 'port'
         self.log = folder / 'terminals.jsonl'
         self.channels = folder / 'channels.yaml'
         self.children = {}
         self.states = []
         self.latest = {}
-        self._node = None
+        self.node = None
 
     # ---- processes
 
@@ -54,13 +58,13 @@ class Stand:
         child = subprocess.Popen(
             [sys.executable, *map(str, command)],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE if name == 'emulator' else sink,
-            stderr=sink, env=environment, start_new_session=True, preexec_fn=_ahead_of_others,
+            stderr=sink, env=environment, start_new_session=True, preexec_fn=lambda: _ahead_of_others(self.priority),
         )  # fmt: skip
         sink.close()
         self.children[name] = child
         return child
 
-    def start_emulator(self, *arguments, rig='paper_3dof', priority=0):
+    def start_emulator(self, *arguments, rig='paper_3dof'):
         child = self.start(
             'emulator',
             ['-m', 'satvib_daq_bridge.emulator', '--rig', rig, '--link', self.port, '--log', self.log,
@@ -68,16 +72,13 @@ class Stand:
         )  # fmt: skip
         assert select.select([child.stdout], [], [], LIMIT)[0], self.said('emulator')
         assert child.stdout.readline().startswith(b'ready'), self.said('emulator')
-        if priority:
-            with contextlib.suppress(OSError):
-                os.sched_setscheduler(child.pid, os.SCHED_FIFO, os.sched_param(priority))
 
-    def write_channels(self, rig='paper_3dof', **changes):
+    def write_channels(self, rig='paper_3dof', overrides=None, **changes):
         from satvib_daq_bridge.from_rig import channels_of
         from satvib_plant_sim.rig import load_rig
 
         changes = {'back_end': 'serial', 'device': str(self.port), **changes}
-        self.channels.write_text(yaml.safe_dump(channels_of(load_rig(rig), **changes)))
+        self.channels.write_text(yaml.safe_dump(channels_of(load_rig(rig, overrides), **changes)))
 
     def start_bridge(self, **parameters):
         parameters = {
@@ -118,23 +119,24 @@ class Stand:
         return [self.children.pop(name).wait(patience) for name in names]
 
     def said(self, name):
-        return (self.folder / f'{name}.log').read_text()
+        path = self.folder / f'{name}.log'
+        return path.read_text() if path.exists() else ''
 
     def close(self):
         for child in self.children.values():
             with contextlib.suppress(ProcessLookupError):
                 child.kill()
             child.wait()
-        if self._node is not None:
+        if self.node is not None:
             self._executor.shutdown(0.0)
-            self._node.destroy_node()
+            self.node.destroy_node()
             self._rclpy.shutdown(context=self._context)
 
     # ---- the graph
 
     def join(self):
         """Make this process a member of the graph."""
-        if self._node is not None:
+        if self.node is not None:
             return
         import rclpy
         from diagnostic_msgs.msg import DiagnosticArray
@@ -144,10 +146,10 @@ class Stand:
 
         self._rclpy, self._context = rclpy, Context()
         rclpy.init(context=self._context)
-        self._node = rclpy.create_node('stand', context=self._context)
+        self.node = rclpy.create_node('stand', context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
-        self._node.create_subscription(
+        self._executor.add_node(self.node)
+        self.node.create_subscription(
             DiagnosticArray, '/diagnostics', self._on_diagnostics, wanted(whole=True, depth=200)
         )
 
@@ -159,12 +161,14 @@ class Stand:
                 if 'before' in values:
                     self.states.append((values['state'], values['reason']))
 
-    def until(self, condition, what):
+    def until(self, condition, what, limit=LIMIT):
         """Take part in the graph until something holds."""
         self.join()
-        deadline = time.monotonic() + LIMIT
+        deadline = time.monotonic() + limit
         while not condition():
-            assert time.monotonic() < deadline, f'{what}: {self.states} {self.said("bridge")}'
+            assert time.monotonic() < deadline, f'{what}: {self.states} ' + ' '.join(
+                f'{name}: {self.said(name)[-2000:]}' for name in self.children
+            )
             self._executor.spin_once(0.05)
 
     def call(self, what):
@@ -172,11 +176,11 @@ class Stand:
         from std_srvs.srv import Trigger
 
         self.join()
-        client = self._node.create_client(Trigger, f'/daq_bridge/{what}')
+        client = self.node.create_client(Trigger, f'/daq_bridge/{what}')
         self.until(client.service_is_ready, f'service {what}')
         future = client.call_async(Trigger.Request())
         self.until(future.done, f'answer of {what}')
-        self._node.destroy_client(client)
+        self.node.destroy_client(client)
         return future.result().success, future.result().message
 
     @property

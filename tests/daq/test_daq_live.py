@@ -71,14 +71,14 @@ def test_a_second_publisher_is_refused(stand):
 
     from satvib_msgs.msg import VcaVoltage
 
-    publisher = stand._node.create_publisher(VcaVoltage, '/strut_2/voltage', offered(1))
+    publisher = stand.node.create_publisher(VcaVoltage, '/strut_2/voltage', offered(1))
     stand.until_state('FAULT')
     assert '2 publishers on strut_2/voltage' in stand.states[-1][1]
     stand.call('reset')
     granted, why = stand.call('arm')
     assert not granted
     assert '2 publishers on strut_2/voltage' in why
-    stand._node.destroy_publisher(publisher)
+    stand.node.destroy_publisher(publisher)
     stand.drive()
 
 

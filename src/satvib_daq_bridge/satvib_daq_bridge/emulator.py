@@ -133,6 +133,8 @@ class Emulator:
         self.bench = Bench(Rig.from_mapping(mapping, 'emulator'), self.disturbance, self.seed)
         self.upper, self.lower, self.volts = [], [], []
         self.begun_at = -1
+        # building the plant takes a moment that no real device takes
+        self.device.begun = self.now()
 
     def _sample(self) -> None:
         setup = self.device.configured
