@@ -160,7 +160,7 @@ def _late(reader: AnyReader) -> dict[str, int]:
         for status in message.status:
             for pair in status.values:
                 if pair.key.startswith('late') and pair.value.isdecimal():
-                    said[f'{status.name}_{pair.key}'.replace(' ', '_')] = int(pair.value)
+                    said[f'{status.name}_{pair.key}'.strip('/').replace(' ', '_')] = int(pair.value)
     return said
 
 
