@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from satvib_ident.eigenvalues import extreme_eigenvalues, information_measures, strong_directions
+from satvib_ident.eigenvalues import (
+    extreme_eigenvalues,
+    information_measures,
+    smallest_eigenvalue,
+    strong_directions,
+)
 
 from satvib_ident import ud
 
@@ -129,14 +134,21 @@ def test_extreme_eigenvalues_equal_lapacks():
         size = np.abs(values).max()
         np.testing.assert_allclose(low, values[:, 0], atol=1e-12 * size)
         np.testing.assert_allclose(high, values[:, -1], atol=1e-12 * size)
+        np.testing.assert_allclose(smallest_eigenvalue(A), values[:, 0], atol=1e-12 * size)
+        expected = np.minimum(values[:, 0], -0.1)
+        np.testing.assert_allclose(smallest_eigenvalue(A, -0.1), expected, atol=1e-12 * size)
 
 
 def test_strong_directions_are_eigenvectors_above_the_floor():
     """Truth: by construction, eigenvalues 4, 1, 1e-6 along a random orthonormal basis."""
     Q = np.linalg.qr(np.random.default_rng([15]).normal(size=(3, 3)))[0]
-    V = strong_directions(Q @ np.diag([4.0, 1.0, 1e-6]) @ Q.T, 1e-3)
+    A = Q @ np.diag([4.0, 1.0, 1e-6]) @ Q.T
+    V, everything = strong_directions(A, 1e-3)
+    assert not everything
     assert (np.linalg.norm(V, axis=1) > 0.5).sum() == 2
     np.testing.assert_allclose(V.T @ V, Q[:, :2] @ Q[:, :2].T, atol=1e-9)
+    assert strong_directions(A, 1e-7)[1]
+    assert not strong_directions(A, 1e-7, False)[1]
 
 
 def test_information_measures_do_not_depend_on_units(factors):

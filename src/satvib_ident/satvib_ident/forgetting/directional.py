@@ -23,6 +23,7 @@ Automatica 36, 2000; B. Lai and D. S. Bernstein, SIFt-RLS, arXiv:2404.10844, 202
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
+from satvib_common.kernel import kernel
 
 from satvib_ident import ud
 from satvib_ident.eigenvalues import strong_directions
@@ -33,6 +34,20 @@ from satvib_ident.forgetting.variable_rate import VariableRateForgetting
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+
+@kernel('void(f8[:], f8, b1, f8[:,:], b1[:])', '(p),(),(),(p,p)->()', writable=('S',))
+def _remember(w, fade, active, S, taken):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """S <- fade S + (1 - fade) w w^T where active; what `measure` would refuse must not get into S either."""
+    p = w.shape[0]
+    taken[0] = active
+    for i in range(p):
+        if not abs(w[i]) < 1e60:
+            taken[0] = False
+    if taken[0]:
+        for i in range(p):
+            for j in range(p):
+                S[i, j] = fade * S[i, j] + (1.0 - fade) * (w[i] * w[j])
 
 
 class DirectionalForgetting(NoForgetting):
@@ -74,14 +89,12 @@ class DirectionalForgetting(NoForgetting):
         if self._test is not None:
             tested, _, _ = self._test.apply(estimator, w, error, active)
             factor = np.minimum(self.factor, tested)
-        # what `measure` would refuse must not get into S
-        good = active & (ud.dot(w, w) < 1e200)
-        w = np.where(good[..., None], w, 0.0)
-        fresh = self._fade * self._S + (1.0 - self._fade) * (w[..., :, None] * w[..., None, :])
-        self._S[...] = np.where(good[..., None, None], fresh, self._S)
-        V = strong_directions(self._S, self._floor)
-        ud.forget_within(V, factor, estimator.limit, good, estimator.U, estimator.d)
-        return 1.0, error, active
+        good = np.asarray(_remember(w, self._fade, active, self._S))
+        V, everything = strong_directions(self._S, self._floor, good)
+        part = good & ~everything
+        if part.any():
+            ud.forget_within(V, factor, estimator.limit, part, estimator.U, estimator.d)
+        return np.where(everything, factor, 1.0), error, active
 
     def reset(self, mask: Mask) -> None:
         """Empty S and the windows of the test."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
 
 from satvib_ident import ud
-from satvib_ident.eigenvalues import extreme_eigenvalues
+from satvib_ident.eigenvalues import smallest_eigenvalue
 from satvib_ident.forgetting.none import NoForgetting
 from satvib_ident.forgetting.protocol import Factors
 
@@ -37,7 +37,8 @@ class CovarianceResetting(NoForgetting):
         active: Mask,
     ) -> tuple[Array | float, Array, Mask]:
         """Reset where it is due."""
-        low, _ = extreme_eigenvalues(ud.covariance(estimator.U, estimator.d))
+        P = ud.covariance(estimator.U, estimator.d)
+        low = smallest_eigenvalue(P, enough=self.threshold)
         due = active & (low < self.threshold)
         if due.any():
             estimator.U[...] = np.where(due[..., None, None], np.eye(estimator.count), estimator.U)
