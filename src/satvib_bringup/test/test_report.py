@@ -5,6 +5,7 @@
 import json
 import re
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -117,3 +118,12 @@ def test_a_folder_that_cannot_be_made_is_named(quick_run, tmp_path):
     (tmp_path / 'file').write_text('')
     with pytest.raises(SatvibError, match='cannot be made'):
         write_report(quick_run, tmp_path / 'file' / 'report')
+
+
+def test_every_key_of_the_result_is_described(written):
+    """Truth: the page that describes them."""
+    page = Path(__file__).resolve().parents[3] / 'docs' / 'result.md'
+    text = page.read_text(encoding='utf-8')
+    strut = written.result['struts'][0]
+    keys = {*written.result, *strut, *strut['model'], *strut['attenuation']}
+    assert [key for key in sorted(keys) if f'`{key}`' not in text] == []

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scenarios: what is wrong in one is told in one line that names the file and the key."""
 
+from pathlib import Path
+
 import pytest
 import yaml
 from satvib_bringup.overrides import apply_overrides
@@ -149,3 +151,15 @@ def test_overrides_do_not_touch_each_other():
         'rig_overrides': {'payload.mass': 1, 'coil.resistance': 3},
         'controller': {'law': 'off'},
     }
+
+
+def test_the_scenario_of_the_documentation_loads(tmp_path):
+    """Truth: the page says that it does; the values are those on the page."""
+    page = Path(__file__).resolve().parents[3] / 'docs' / 'scenarios.md'
+    text = page.read_text(encoding='utf-8').split('```yaml\n')[1].split('```')[0]
+    (tmp_path / 'mine.yaml').write_text(text)
+    scenario = load_scenario(tmp_path / 'mine.yaml')
+    assert scenario.load_rig().payload.mass == 10.5
+    assert scenario.analysis.reference == (-23.35, -26.0, -29.28)
+    rate = scenario.load_rig().acquisition.sample_rate
+    assert scenario.controller_parameters(rate).law == 'narrowband'
