@@ -108,7 +108,14 @@ class ControllerParameters(LoopParameters):
     # velocity_feedback
     velocity_gain: float = param(
         56.1,
-        "gain of velocity_feedback; the default is the paper's 550 read as V per g s",
+        "gain of velocity_feedback, up to the bound of the model; the paper's 550 read as V per g s",
+        unit='V/(m/s)',
+        minimum=0.0,
+        read_only=True,
+    )
+    velocity_fallback_gain: float = param(
+        56.1,
+        'largest gain of velocity_feedback while no identified model proves it',
         unit='V/(m/s)',
         minimum=0.0,
         read_only=True,
@@ -242,8 +249,8 @@ class ControllerParameters(LoopParameters):
     )
     narrowband_settling: float = param(
         0.1,
-        'time constant of amplitude and phase; at least a period of the tone, and longer where '
-        'the modulus margin asks for it',
+        'time constant of amplitude and phase; at least one and a half periods of the tone, and '
+        'longer where the modulus margin asks for it',
         unit='s',
         above=0.0,
         read_only=True,

@@ -11,7 +11,8 @@ from the identified model when there is one, and g the gain in V/(m/s).
 The paper's "differential controller gain is 550" has no unit. Its figures are in g, so it is read as 550 V per (g s),
 which is 550 / 9.80665 = 56.1 V/(m/s): the default.
 
-With an identified model, g is reduced to the bound that keeps the modulus margin, and the state says so.
+With an identified model, g is reduced to the bound that keeps the modulus margin, and the state says so; without, it is
+`velocity_fallback_gain` at most.
 """
 
 from typing import TYPE_CHECKING
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from satvib_control.parameters import ControllerParameters
 
 REDUCED = reason('the gain is reduced to the bound of the identified model')
-UNPROVEN = reason('no identified model: the gain and the polarity are as set, not proven')
+UNPROVEN = reason('no identified model: the fallback gain and the polarity as set, not proven')
 
 
 class VelocityFeedback(BasicLaw):
@@ -43,13 +44,10 @@ class VelocityFeedback(BasicLaw):
         super().__init__(parameters, dt, shape)
         self._integrator = LeakyIntegrator(parameters.velocity_corner, dt, shape)
         self._known = np.zeros(shape, dtype=bool)
-        self._gain = np.zeros(shape)
-        self._set_gain(np.full(shape, parameters.velocity_polarity))
-        self.state.reason = np.full(shape, UNPROVEN)
-
-    def _set_gain(self, sign: Array) -> None:
-        self._gain = self.parameters.velocity_gain * sign
+        unproven = min(parameters.velocity_gain, parameters.velocity_fallback_gain)
+        self._gain = np.full(shape, unproven * parameters.velocity_polarity)
         self.state.ki = self._gain
+        self.state.reason = np.full(shape, UNPROVEN)
 
     def set_model(self, model: 'IirModel', trusted: Mask, covariance: Array | None = None) -> None:
         """Take sign and bounds from the model where it is trusted."""

@@ -73,6 +73,7 @@ def test_a_disturbance_that_grows_is_not_the_laws_fault(make_isolator, make_loop
             known,
             watch_ratio=ratio,
             velocity_gain=150.0,
+            velocity_fallback_gain=150.0,
         )
         runs.append(loop.run(len(t), d)[1])
     tail = slice(int(20 * RATE), None)

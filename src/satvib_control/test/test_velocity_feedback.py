@@ -62,8 +62,15 @@ def test_without_a_model_the_parameters_count(make_isolator, make_loop, settings
     assert float(state.ki) == -30.0
     assert (
         text_of(state.reason)
-        == 'no identified model: the gain and the polarity are as set, not proven'
+        == 'no identified model: the fallback gain and the polarity as set, not proven'
     )
+
+
+def test_without_a_model_a_large_gain_is_not_believed(make_isolator, make_loop, settings):
+    p = settings(sample_rate=RATE, law='velocity_feedback', velocity_gain=1e6)
+    loop = make_loop(p, make_isolator(RATE), PLAN, trusted=False)
+    loop.run(10)
+    assert float(loop.core.law.state.ki) == p.velocity_fallback_gain
 
 
 @pytest.mark.parametrize('seconds', [60, pytest.param(600, marks=pytest.mark.long)])
