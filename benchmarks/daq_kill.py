@@ -50,6 +50,7 @@ def measure(
         if stand.state == 'FAULT':
             stand.call('reset')
             stand.until_state('IDLE')
+        stand.hurry()
         stand.drive()
         turns = iter(range(len(stand.events()) % 7 + 3))
         stand.until(lambda t=turns: next(t, None) is None, 'a moment that is not always the same')

@@ -74,6 +74,7 @@ def begin(stand: Stand, graph: Graph, kept: dict[str, Any]) -> None:
         lambda: all(stand.node.count_publishers(f'/{s}/voltage') for s in graph.struts),
         'controllers',
     )
+    stand.hurry()
     message = schedule_message(graph)
     kept['schedule'].publish(message)
 

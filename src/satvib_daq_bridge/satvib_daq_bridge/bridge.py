@@ -275,6 +275,7 @@ class Bridge:
         if self.running or self.over or not (ready and self.bias.learnt and self._sequence >= 0):
             return False
         self.running = True
+        self.timing = Timing(self.parameters.period)
         self._base = self._sequence + 1
         self._answered[:] = -1
         self._send(bytes([line.BEGIN]))

@@ -201,7 +201,7 @@ class Guardian:
         output = self.guard.apply(self._demand, self._ages(now), self.state, elapsed)
         self._saturated = sum(1 << i for i, s in enumerate(output.saturated) if s)
         self._left = True
-        if not self.back_end.virtual:
+        if self.state is State.ACTIVE and not self.back_end.virtual:
             self._latency = now - self._times.get(self._now, math.nan)
         self._write(output.converter, now)
         if output.fault and not before:

@@ -29,7 +29,7 @@ class Timing:
         self._latency: deque[float] = deque(maxlen=_RECENT)
 
     def add(self, late: float, latency: float) -> None:
-        """Take one sample: how late it was there, and how long its predecessor's voltages took (NaN: unknown)."""
+        """Take one sample: how late it was there, and how long its predecessor's voltages took (NaN: none left)."""
         self._late.append(late)
         self.latest = max(self.latest, late)
         if latency == latency:
