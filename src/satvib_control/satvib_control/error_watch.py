@@ -6,8 +6,8 @@ Listening. With its own voltage at 0 the law measures how much of the reference 
 
     r_0 = <y^2> / <x^2>,
 
-over the watch time. It learns meanwhile, for the modified form of `fxlms` needs no voltage to learn from, and then
-lets its voltage in over another half of the watch time: what comes out first has been learnt from many samples.
+over the watch time. In the second half of it it learns, since the modified form of `fxlms` needs no voltage for that,
+and then lets its voltage in over another half: what comes out first has been learnt from many samples.
 
 A vibration that is not from below. A payload that rings shakes the lower plate too. Where <d_hat^2> > 30^2 <x^2>
 (while listening also <y^2>) the reference is too small for what it is to explain, for no passive isolator amplifies as
@@ -18,11 +18,12 @@ and no test that uses the model alone can see it. It is an alarm when
 
     <y^2> > R^2 max(r_0, 1) <x^2>   and   <(G_hat u)^2> > <y^2> / 4,
 
-the residual being larger than ever without control and the voltage large enough to be the cause; or when more than a
-third of the last samples were cut by the guard, which is how a loop through a contaminated reference shows itself (x
-grows with y there). At an alarm the voltage fades out within a tenth of the watch time, the weights are forgotten, the
-pace of adaptation drops to a quarter, and the law listens anew. Ten watch times without an alarm forgive one. The third
-in a row ends the matter: 0 V until a new model or a reset.
+the residual being larger than ever without control and the voltage large enough to be the cause (y and u over a fifth
+of the watch time, for what grows grows quickly); or when more than a third of the last samples were cut by the guard,
+which is how a loop through a contaminated reference shows itself (x grows with y there). At an alarm the voltage fades
+out within a tenth of the watch time, the weights are forgotten, the pace of adaptation drops to a quarter, and the law
+listens anew. The third alarm ends the matter: 0 V until a new model or a reset. Ten watch times in which the residual
+is a decibel below r_0 <x^2>, which no wrong path ever brings about, forgive one.
 """
 
 from satvib_common.kernel import kernel
@@ -31,8 +32,8 @@ LEARN, LISTEN, FADE, GIVEN_UP, RESTART = range(5)
 ALARMS = 3
 TRANSMISSION = 30.0
 # places in the memory
-ERROR, PASSIVE, REFERENCE, EFFECT, RAIL, BASE, HEARD, PACE, SHARE, COUNT, CLOCK = range(11)
-SIZE = 11
+ERROR, PASSIVE, REFERENCE, EFFECT, RAIL, BASE, HEARD, PACE, SHARE, COUNT, CLOCK, QUICK = range(12)
+SIZE = 12
 
 
 @kernel(
@@ -51,7 +52,7 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
         valid: () bool; all of it was measured, and nothing but the law and the disturbance acts.
         acting: () bool; the law's voltage is let through in this phase.
         settings: (3) samples of the watch time, R, floor of the reference (m/s^2, RMS).
-        memory: (11) changed; the pace begins with 1, the rest with 0.
+        memory: (12) changed; the pace begins with 1, the rest with 0.
         verdict: () out: LEARN, LISTEN (learn, no voltage), FADE, RESTART (forget the weights) or GIVEN_UP.
         loud: () out: the reference is worth learning from.
     """
@@ -63,7 +64,7 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
         verdict[0] = FADE
         if memory[CLOCK] >= 0.0:
             verdict[0] = RESTART
-            for i in (ERROR, PASSIVE, REFERENCE, EFFECT, RAIL, BASE, HEARD, SHARE, CLOCK):
+            for i in (ERROR, PASSIVE, REFERENCE, EFFECT, RAIL, BASE, HEARD, SHARE, CLOCK, QUICK):
                 memory[i] = 0.0
         return
     if memory[COUNT] >= ALARMS:
@@ -77,7 +78,9 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
         memory[ERROR] += forget * (error * error - memory[ERROR])
         memory[PASSIVE] += forget * (passive * passive - memory[PASSIVE])
         memory[REFERENCE] += forget * (reference * reference - memory[REFERENCE])
-        memory[EFFECT] += forget * (effect * effect - memory[EFFECT])
+        quick = max(1.0 / memory[HEARD], min(5.0 / window, 1.0))
+        memory[QUICK] += quick * (error * error - memory[QUICK])
+        memory[EFFECT] += quick * (effect * effect - memory[EFFECT])
         memory[RAIL] += ((1.0 if cut else 0.0) - memory[RAIL]) / window
     most = memory[PASSIVE]
     if memory[BASE] == 0.0:
@@ -91,6 +94,8 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
         elif memory[HEARD] >= window and valid:
             memory[BASE] = max(memory[ERROR] / memory[REFERENCE], 1e-300)
             memory[CLOCK] = 0.0
+        # nothing is learnt from the onset: the reference is there before its filtered twin
+        loud[0] = loud[0] and memory[HEARD] >= 0.75 * window
         return
     verdict[0] = LEARN
     if not acting:
@@ -99,13 +104,13 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
     memory[SHARE] = min(memory[SHARE] + 1.0 / max(0.5 * window, 1.0), 1.0)
     if not valid:
         return
-    memory[CLOCK] += 1.0
+    memory[CLOCK] += 1.0 if memory[ERROR] < 0.8 * memory[BASE] * memory[REFERENCE] else 0.0
     if memory[CLOCK] >= 10.0 * window:
         memory[CLOCK] = 0.0
         memory[COUNT] = max(memory[COUNT] - 1.0, 0.0)
         memory[PACE] = min(4.0 * memory[PACE], 1.0)
-    grown = memory[ERROR] > ratio * ratio * max(memory[BASE], 1.0) * memory[REFERENCE]
-    cause = 4.0 * memory[EFFECT] > memory[ERROR]
+    grown = memory[QUICK] > ratio * ratio * max(memory[BASE], 1.0) * memory[REFERENCE]
+    cause = 4.0 * memory[EFFECT] > memory[QUICK]
     if (grown and cause and memory[REFERENCE] > floor * floor) or memory[RAIL] > 1.0 / 3.0:
         memory[COUNT] += 1.0
         memory[PACE] *= 0.25
