@@ -185,13 +185,26 @@ class Stand:
         """Call a trigger of the bridge; gives whether it succeeded and what it said."""
         from std_srvs.srv import Trigger
 
+        answer = self.ask(Trigger, what, Trigger.Request())
+        return answer.success, answer.message
+
+    def ask(self, kind, what, request):
+        """Call a service of the bridge; gives its answer."""
         self.join()
-        client = self.node.create_client(Trigger, f'/daq_bridge/{what}')
+        client = self.node.create_client(kind, f'/daq_bridge/{what}')
         self.until(client.service_is_ready, f'service {what}')
-        future = client.call_async(Trigger.Request())
+        future = client.call_async(request)
         self.until(future.done, f'answer of {what}')
         self.node.destroy_client(client)
-        return future.result().success, future.result().message
+        return future.result()
+
+    def transition(self, label):
+        """Ask for a lifecycle transition; gives whether it was made."""
+        from lifecycle_msgs.msg import Transition
+        from lifecycle_msgs.srv import ChangeState
+
+        wanted = Transition(id=getattr(Transition, f'TRANSITION_{label.upper()}'), label=label)
+        return self.ask(ChangeState, 'change_state', ChangeState.Request(transition=wanted)).success
 
     @property
     def state(self):

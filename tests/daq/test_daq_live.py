@@ -41,6 +41,39 @@ def test_a_whole_life(stand):
     assert all(reason for _, reason in stand.states)
 
 
+def test_the_lifecycle_by_hand(stand):
+    """Without autostart every transition is asked for; a latched fault survives cleaning up; activating moves
+    nothing."""
+    stand.write_channels(**LOOPBACK)
+    stand.start_bridge(wait_for_schedule=False, autostart=False)
+    assert stand.transition('configure')
+    stand.until_state('IDLE')
+    granted, why = stand.call('arm')
+    assert (granted, why) == (False, 'the node is not active')
+    assert stand.transition('activate')
+    stand.start_answerers()
+    stand.drive()
+    assert stand.transition('deactivate')
+    stand.until_state('IDLE')
+    assert stand.transition('activate')
+    assert stand.state == 'IDLE'
+    assert stand.call('estop')[0]
+    assert stand.transition('deactivate')
+    assert stand.transition('cleanup')
+    stand.until_state('UNCONFIGURED')
+    assert stand.transition('configure')
+    stand.until_state('ESTOP')
+    assert 'still latched' in stand.states[-1][1]
+    assert stand.transition('activate')
+    assert stand.call('reset')[0]
+    stand.until_state('IDLE')
+    assert stand.transition('deactivate')
+    stand.channels.write_text('back_end: gpib\nstruts: {}\n')
+    assert stand.transition('cleanup')
+    assert not stand.transition('configure')
+    assert 'back_end' in stand.said('bridge')
+
+
 def test_bad_channels_are_refused_at_configure_in_one_line(stand):
     """Truth: exit code 2 and one line that names file and channel."""
     stand.write_channels(coil={'gain': 1.0})
