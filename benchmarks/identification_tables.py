@@ -1,0 +1,224 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of docs/identification.md.
+
+    python benchmarks/identification_tables.py bias
+    python benchmarks/identification_tables.py survival [--minutes 60]
+    python benchmarks/identification_tables.py trust [--trials 10]
+    python benchmarks/identification_tables.py study [--figures FOLDER]
+
+All seeds are fixed, so the figures come out again.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT / 'src' / f'satvib_{p}') for p in ('common', 'ident', 'plant_sim')]
+
+import numpy as np  # noqa: E402
+from satvib_common.phases import Phase  # noqa: E402
+from satvib_ident.excitation import make_excitation  # noqa: E402
+from satvib_ident.extended_least_squares import ExtendedLeastSquares  # noqa: E402
+from satvib_ident.identifier import Identification, IdentifierCore  # noqa: E402
+from satvib_ident.iir_model import IirModel  # noqa: E402
+from satvib_ident.instrumental_variable import InstrumentalVariable  # noqa: E402
+from satvib_ident.parameters import FORGETTING, IdentifierParameters  # noqa: E402
+from satvib_ident.recursive_least_squares import RecursiveLeastSquares  # noqa: E402
+from satvib_ident.regressor import IirRegressor  # noqa: E402
+from satvib_ident.study import StudySettings, run  # noqa: E402
+
+A, B = [-0.460, 0.158], [0.061, -0.103, 0.033]
+BAND = np.geomspace(5.0, 20.0, 8)
+
+
+def row(*cells: str) -> None:
+    """One line of a Markdown table."""
+    print('| ' + ' | '.join(cells) + ' |')
+
+
+def heading(*cells: str) -> None:
+    """The first two lines of a Markdown table."""
+    row(*cells)
+    row(*['---'] * len(cells))
+
+
+def bias() -> None:
+    """Error of a1 from noise of 0.005 on the output of the paper's G(z), PRBS of +-1 V, 200 seeds."""
+    plant, trials = IirModel(A, B, 0, 0.01), 200
+    heading('estimator', 'samples', 'bias of a1', 'RMS error', 'predicted deviation', 'bias of a2')
+    for samples in (200, 500, 2000):
+        u = np.array(
+            [
+                make_excitation('prbs', amplitude=1.0, dt=0.01, seed=s).samples(samples)
+                for s in range(trials)
+            ]
+        )
+        y = plant.simulate(u) + 0.005 * np.random.default_rng([26, 1]).normal(size=u.shape)
+        for name, estimator in (
+            ('least squares', RecursiveLeastSquares(5, (trials,))),
+            ('extended', ExtendedLeastSquares(5, 2, (trials,))),
+            ('instrumental', InstrumentalVariable(2, 3, 2, (trials,))),
+        ):
+            regressor = IirRegressor(2, 3, 0, (trials,))
+            for k in range(samples):
+                estimator.update(*regressor.step(y[:, k], u[:, k], 0.0))
+            error = estimator.theta[:, :2] - plant.a
+            rms = np.sqrt(np.mean(error[:, 0] ** 2))
+            sigma = np.mean(np.sqrt(estimator.covariance[:, 0, 0]))
+            row(name, str(samples), f'{error[:, 0].mean():+.4f}', f'{rms:.4f}', f'{sigma:.4f}',
+                f'{error[:, 1].mean():+.4f}')  # fmt: skip
+
+
+def survival(minutes: float, ungated: bool) -> None:
+    """Silence after 4 s of PRBS of 5 V, then a changed plant and 2 s more; 4 seeds, noise 0.005 or none.
+
+    Ungated: the identifier goes on to use samples without excitation, which it does not do by default.
+    """
+    plant, changed = IirModel(A, B, 1, 0.01), IirModel([-0.70, 0.25], [0.05, -0.09, 0.03], 1, 0.01)
+    quiet, seeds = round(minutes * 6000), 4
+    signal = make_excitation('prbs', amplitude=5.0, dt=0.01)
+    u = np.concatenate([signal.samples(400), np.zeros(quiet), signal.samples(900)[700:]])
+    clean = np.concatenate([plant.simulate(u[: 400 + quiet]), changed.simulate(u[400 + quiet :])])
+    heading('rule', 'noise', 'a1 moves in silence', 'largest trace of P', 'a1 off after the change')
+    for rule in FORGETTING:
+        for noise in (0.0, 0.005):
+            parameters = IdentifierParameters(
+                forgetting=rule, forgetting_factor=0.99, bias='none', dead_zone=0.015,
+                measure_period=10**9, input_hold=1e9 if ungated else 0.5,
+                regressor_floor=0.02 if ungated else 0.0,
+            )  # fmt: skip
+            core = IdentifierCore(parameters, (seeds,))
+            generator = np.random.default_rng([41])
+            trace, stop, moved, out = 0.0, np.zeros(seeds), np.zeros(seeds), None
+            for k in range(len(u)):
+                y = clean[k] + noise * generator.normal(size=seeds)
+                late = np.full(seeds, u[k - 1] if k else 0.0)
+                out = core.step(k, Phase.IDENTIFY, y, late)
+                if k == 400:
+                    stop = out.a[:, 0]
+                if 400 < k < 400 + quiet and k % 500 == 0:
+                    P = core.estimator.P
+                    np.linalg.cholesky(P)
+                    trace = max(trace, float(np.trace(P, axis1=-2, axis2=-1).max()))
+                    moved = np.maximum(moved, np.abs(out.a[:, 0] - stop))
+            assert isinstance(out, Identification)
+            off = np.abs(out.a[:, 0] / changed.a[0] - 1.0).max()
+            row(rule, f'{noise:g}', f'{moved.max():.5f}', f'{trace:.3g}', f'{100 * off:.1f} %')
+
+
+def response(rig: object, strut: int, amplitude: float) -> np.ndarray:
+    """True response of a strut in BAND: 20 s of multisine on it alone, by the ratio of spectra, 6 trials averaged."""
+    from satvib_plant_sim.disturbance import make_disturbance
+    from satvib_plant_sim.plant import Plant
+
+    rate = rig.acquisition.sample_rate
+    plant = Plant([rig] * 6, make_disturbance({'kind': 'none'}), list(range(6)))
+    signal = make_excitation('multisine', amplitude=amplitude, dt=1 / rate, struts=1, low=2.0,
+                             high=0.3 * rate, period=2.0)  # fmt: skip
+    period = signal.count
+    sums = np.zeros((2, period, 6))
+    for k in range(11 * period):
+        y, u = plant.sample().upper[:, strut], np.zeros((6, plant.struts))
+        u[:, strut] = signal.at(k)
+        plant.advance(u)
+        if k >= period:
+            sums[0, k % period] += y
+            sums[1, k % period] += u[:, strut]
+    spectra = np.fft.rfft(sums, axis=1)
+    lines = signal.own_lines
+    ratio = (spectra[0, lines] / spectra[1, lines]).mean(axis=-1)
+    f = lines / (period / rate)
+    return np.interp(BAND, f, ratio.real) + 1j * np.interp(BAND, f, ratio.imag)
+
+
+def trust(trials: int) -> None:
+    """What the verdict says and what is true, on the rigs: 1 s at rest, 2 s of excitation of all struts at once."""
+    from satvib_plant_sim.disturbance import make_disturbance
+    from satvib_plant_sim.plant import Plant
+    from satvib_plant_sim.rig import load_rig
+
+    heading('rig', 'n/m', 'signal', 'peak [V]', 'estimator', 'largest error, true',
+            'as the residual tells', 'as the covariance tells', 'trusted')  # fmt: skip
+    cases = [
+        ('paper_3dof', 2, 3, volts, signal)
+        for volts in (1.0, 3.0, 10.0)
+        for signal in ('squares', 'multisine')
+    ]
+    cases += [
+        ('clean_3dof', n, m, 10.0, s) for n, m in ((2, 3), (4, 5)) for s in ('squares', 'chirp')
+    ]
+    cases += [
+        ('soft_3dof', n, m, 2.0, s) for n, m in ((2, 3), (4, 5)) for s in ('squares', 'chirp')
+    ]
+    truths: dict[str, np.ndarray] = {}
+    for name, n, m, volts, kind in cases:
+        rig = load_rig(name)
+        rate = rig.acquisition.sample_rate
+        if name not in truths:
+            level = 2.0 if name == 'soft_3dof' else 10.0
+            truths[name] = np.array([response(rig, s, level) for s in range(3)])
+        for estimator in ('least_squares', 'instrumental'):
+            plant = Plant([rig] * trials, make_disturbance({'kind': 'none'}), list(range(trials)))
+            parameters = IdentifierParameters(
+                sample_rate=rate, poles=n, coefficients=m, estimator=estimator
+            )
+            core = IdentifierCore(parameters, (trials, 3))
+            signals = [
+                make_excitation(kind, amplitude=volts, dt=1 / rate, strut=s) for s in range(3)
+            ]
+            begin, end, before, out = round(rate), round(3 * rate), np.zeros((trials, 3)), None
+            for k in range(end):
+                phase = Phase.CALIBRATE if k < begin else Phase.IDENTIFY
+                out = core.step(k, phase, plant.sample().upper, before)
+                before = np.zeros((trials, 3)) + [
+                    s.at(k - begin) if k >= begin else 0.0 for s in signals
+                ]
+                plant.advance(before)
+            assert isinstance(out, Identification)
+            found = out.model().frequency_response(BAND)
+            true = np.abs(truths[name] / found - 1.0).max(axis=-1)
+            row(name, f'{n}/{m}', kind, f'{volts:g}', estimator.replace('_', ' '),
+                f'{np.median(true):.2f} (to {true.max():.2f})',
+                f'{np.median(out.model_error):.2f} (to {out.model_error.max():.2f})',
+                f'{np.median(out.response_deviation):.2f}',
+                f'{100 * np.mean(out.converged):.0f} %')  # fmt: skip
+
+
+def study(figures: Path | None) -> None:
+    """The simulation study, both ways of estimating."""
+    for estimator in ('least_squares', 'instrumental'):
+        result = run(StudySettings(estimator=estimator))
+        print(f'\n{estimator}, {result.settings.seeds} seeds\n')
+        heading(*result.HEADINGS)
+        for cells in result.table():
+            row(*cells)
+        if figures is not None:
+            from satvib_ident.study_plots import save_figures
+
+            save_figures(result, figures / estimator)
+
+
+def main() -> None:
+    """Print the table asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('table', choices=('bias', 'survival', 'trust', 'study'))
+    parser.add_argument('--minutes', type=float, default=60.0, help='of silence')
+    parser.add_argument('--ungated', action='store_true', help='use samples without excitation')
+    parser.add_argument('--trials', type=int, default=10)
+    parser.add_argument('--figures', type=Path)
+    options = parser.parse_args()
+    match options.table:
+        case 'bias':
+            bias()
+        case 'survival':
+            survival(options.minutes, options.ungated)
+        case 'trust':
+            trust(options.trials)
+        case 'study':
+            study(options.figures)
+
+
+if __name__ == '__main__':
+    main()
