@@ -82,7 +82,9 @@ class ClosedLoop:
         shape = (*self.shape, self.plant.struts)
         parameters = first.identifier_parameters(rate)
         self.identifier = IdentifierCore(parameters, shape)
-        self.controller = ControllerCore(first.controller_parameters(rate), shape)
+        self.controller = ControllerCore(
+            first.controller_parameters(rate, struts=self.plant.struts), shape
+        )
         self.model_period = first.model_period
         # Before sample 0 everything is at rest at 0 V; that much is known.
         self._voltages: deque[NDArray[np.float64]] = deque(

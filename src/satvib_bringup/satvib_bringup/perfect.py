@@ -8,6 +8,7 @@ finds from the same excitation without noise and quantization is what noise keep
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_plant_sim.any_rig import without_noise
 
@@ -16,7 +17,9 @@ from satvib_bringup.recording import Recording
 
 
 def perfect_parameters(recording: Recording) -> NDArray[np.float64] | None:
-    """Parameters (struts, n + m) at the end of the first IDENTIFY, without noise; None when nothing was identified.
+    """Parameters (struts, n + m) at the end of the first IDENTIFY, without noise.
+
+    None when nothing was identified, or the run cannot be simulated here.
 
     Args:
         recording: a run that knows its scenario and rig.
@@ -25,8 +28,12 @@ def perfect_parameters(recording: Recording) -> NDArray[np.float64] | None:
     spans = [end for phase, _, end in recording.phases() if phase is Phase.IDENTIFY]
     if scenario is None or rig is None or not spans:
         return None
+    try:
+        loop = ClosedLoop(scenario, [without_noise(rig)])
+    except SatvibError:  # recorded with something that is not here, a law of one's own for instance
+        return None
     identification = None
-    for step in ClosedLoop(scenario, [without_noise(rig)]).steps():
+    for step in loop.steps():
         if step.sequence * recording.sample_period >= spans[0]:
             break
         identification = step.identification

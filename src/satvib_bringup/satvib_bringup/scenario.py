@@ -139,12 +139,20 @@ class Scenario(Schema):
         )
 
     def controller_parameters(
-        self, rate: float, lockstep: bool = True, strut: int = 0
+        self, rate: float, lockstep: bool = True, strut: int = 0, struts: int | None = None
     ) -> ControllerParameters:
-        """Give the parameters of a strut's controller; `rate` in Hz, `strut` counts from 0."""
-        from satvib_control.parameters import ControllerParameters
+        """Give the parameters of a strut's controller.
 
-        own = {'strut': strut, 'struts': strut_count(self.load_rig())}
+        Args:
+            rate: Hz.
+            lockstep: no clock.
+            strut: counts from 0.
+            struts: how many there are; None: the rig is asked.
+        """
+        from satvib_control.parameters import ControllerParameters
+        from satvib_plant_sim.any_rig import strut_count
+
+        own = {'strut': strut, 'struts': struts or strut_count(self.load_rig())}
         return ControllerParameters.from_mapping(
             self.controller | self._shared(rate, lockstep) | own,
             f'scenario {self.name}: controller',

@@ -4,11 +4,13 @@
 
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
+from satvib_bringup.analysis import analyse
 from satvib_bringup.analysis.evaluation import KINDS
 from satvib_bringup.bag import read_recording
 from satvib_bringup.report import write_report
@@ -127,3 +129,17 @@ def test_every_key_of_the_result_is_described(written):
     strut = written.result['struts'][0]
     keys = {*written.result, *strut, *strut['model'], *strut['attenuation']}
     assert [key for key in sorted(keys) if f'`{key}`' not in text] == []
+
+
+def test_a_run_whose_rig_and_law_are_elsewhere_gets_its_report(quick_run, tmp_path):
+    """Recorded on another machine. Truth: the figures do not depend on the rig's file or the law's module."""
+    away = replace(
+        quick_run,
+        scenario=quick_run.scenario.replace(
+            rig='/nowhere/rig.yaml', controller={'law': 'nowhere:Law'}
+        ),
+    )
+    report = write_report(away, tmp_path / 'report')
+    here, _ = analyse(quick_run)
+    for i, strut in enumerate(report.result['struts']):
+        assert strut['attenuation']['true_rms'] == here.attenuation['true_rms'][i]

@@ -14,7 +14,6 @@ Every voltage leaves through the guard. A missing upper sample gives 0 V for tha
 row latch a fault. A gap in the sequence is counted and the states stay; a sequence that goes back starts all anew.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,11 +25,12 @@ from satvib_common.sequence import Arrival, SequenceTracker
 from satvib_common.statistics import MovingRms
 from satvib_ident.iir_model import IirModel
 
+from satvib_control.controller_output import ControllerOutput
 from satvib_control.divergence import DivergenceWatch
-from satvib_control.law import STATE_FIELDS, Array, LawInput, LawState, Mask, make_law
+from satvib_control.law import Array, LawInput, Mask, make_law
 from satvib_control.parameters import ControllerParameters
 from satvib_control.polynomial import broadcast_model, model_polynomials, stable
-from satvib_control.reasons import reason, reasons, text_of
+from satvib_control.reasons import reason, reasons
 from satvib_control.signals import StrutSignals
 
 NOT_FINITE = reason('fault: the law asked for a voltage that is not finite')
@@ -45,64 +45,7 @@ UNSTABLE = reason('the identified model is not stable: not taken')
 UNCAUSAL = reason('the identified model has no delay, so no law can use it: not taken')
 
 
-@dataclass(frozen=True)
-class ControllerOutput:
-    """What became of one sample; arrays of `shape`.
-
-    Attributes:
-        sequence: index of the sample.
-        phase: phase of the sample.
-        law: name of the law.
-        voltage: V; what the guard let through.
-        output: V; what was asked of the guard.
-        saturated: bool; the guard changed it.
-        fault: bool; latched, the voltage is 0.
-        state: what the law shows.
-        reference: the law's reference in m/s^2, or the excitation in V in IDENTIFY.
-        upper_rms: m/s^2; RMS without bias over the recent window.
-        bias_upper: m/s^2.
-        bias_lower: m/s^2.
-        adapting: bool; the gains moved on this sample.
-        reason: codes of `satvib_control.reasons`.
-        missed_samples: samples lost so far.
-    """
-
-    sequence: int
-    phase: Phase
-    law: str
-    voltage: Array
-    output: Array
-    saturated: Mask
-    fault: Mask
-    state: LawState
-    reference: Array
-    upper_rms: Array
-    bias_upper: Array
-    bias_lower: Array
-    adapting: Mask
-    reason: Any
-    missed_samples: int
-
-    def reason_text(self, index: tuple[int, ...] = ()) -> str:
-        """Text of the reason of one item; empty when all is well."""
-        return text_of(self.reason[index])
-
-    def fields(self, index: tuple[int, ...] = ()) -> dict[str, Any]:
-        """The fields of satvib_msgs/ControllerState that the controller knows, for one item, as plain values."""
-        found: dict[str, Any] = {
-            'sequence': self.sequence,
-            'phase': int(self.phase),
-            'law': self.law,
-            'reason': self.reason_text(index),
-            'missed_samples': self.missed_samples,
-        }
-        for name in STATE_FIELDS:
-            found[name] = float(getattr(self.state, name)[index])
-        for name in ('voltage', 'output', 'reference', 'upper_rms', 'bias_upper', 'bias_lower'):
-            found[name] = float(getattr(self, name)[index])
-        for name in ('saturated', 'fault', 'adapting'):
-            found[name] = bool(getattr(self, name)[index])
-        return found
+__all__ = ['ControllerCore', 'ControllerOutput']
 
 
 class ControllerCore:

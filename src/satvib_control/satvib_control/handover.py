@@ -27,22 +27,31 @@ class ModelQueue(Generic[M]):
         self.period, self.wait = period, wait
         self._models: deque[tuple[int, M]] = deque()
         self._joined = False
+        # how often either stream has begun anew; models and samples may do so in any order
+        self._model_restarts = self._sample_restarts = 0
 
     def add(self, sequence: int, model: M, plan: PhasePlan | None) -> None:
         """Keep a model: those that will be asked for, and the newest."""
         if self._models and sequence <= self._models[-1][0]:
             self._models.clear()  # the identifier began anew
+            self._model_restarts += 1
         if self._models and self._joined and plan is not None:
             last = self._models[-1][0]
             if not plan.handoff(last + 1, self.period):
                 self._models.pop()
         self._models.append((sequence, model))
 
-    def begin(self, sequence: int) -> None:
-        """The source begins, or begins anew, with this sample."""
+    def begin(self, sequence: int, anew: bool = False) -> None:
+        """The first sample is this one; `anew`: of another run than the samples before.
+
+        Models that came before the first sample are kept, for topics arrive in any order.
+        """
         self._joined = sequence == 0
-        while self._models and self._models[0][0] > sequence:
-            self._models.popleft()
+        if anew:
+            self._sample_restarts += 1
+            if self._model_restarts < self._sample_restarts:
+                self._models.clear()
+                self._model_restarts = self._sample_restarts
 
     def take(self, k: int, plan: PhasePlan) -> tuple[bool, M | None]:
         """Whether sample k may be worked on, and the model that it takes, if any."""

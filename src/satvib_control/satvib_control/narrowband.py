@@ -113,7 +113,7 @@ class Narrowband(BasicLaw):
         """Take the model where it is trusted and run it over the past, so that the tones are known at once."""
         b, a = model_polynomials(model)
         points = margin_grid(model)
-        if b.shape[-1] != self._b.shape[-1]:
+        if (b.shape[-1], points.shape[-2]) != (self._b.shape[-1], self._points.shape[-2]):
             self._size(b.shape[-1], points.shape[-2])
         new = np.any(b != self._b, axis=-1) | np.any(a != self._a, axis=-1)
         new = trusted & (new | ~self._known)

@@ -259,7 +259,7 @@ class ControllerParameters(LoopParameters):
         5.0, 'longest memory of the frequency', unit='s', above=0.0, read_only=True
     )
     narrowband_window: float = param(
-        0.25,
+        0.5,
         'window of the spectrum in which new tones are sought; tones closer than its inverse '
         'cannot be told apart there',
         unit='s',

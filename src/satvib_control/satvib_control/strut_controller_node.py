@@ -121,7 +121,7 @@ class StrutControllerNode(SatvibNode[ControllerParameters]):
                 f'{self.strut} acceleration', message.sample_period, self.parameters.sample_rate
             )
             self.waiting.clear()
-            self.models.begin(message.sequence)
+            self.models.begin(message.sequence, anew=arrival is Arrival.RESTART)
         if arrival is not Arrival.REPEAT:
             self.waiting.append(message)
             self._work()

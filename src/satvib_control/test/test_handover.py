@@ -79,3 +79,34 @@ def test_the_queue_stays_short():
     for k in range(10, 40):
         queue.add(k, k, PLAN)
     assert len(queue._models) <= 30 // PERIOD + 2
+
+
+def test_models_ahead_of_the_first_sample_are_kept():
+    """Truth: a controller that was started again gets the past of both topics, in any order."""
+    queue = ModelQueue(PERIOD, wait=True)
+    for k in range(10, 40):
+        queue.add(k, k, PLAN)
+    queue.begin(0)
+    taken = {}
+    for k in range(40):
+        ready, model = queue.take(k, PLAN)
+        assert ready
+        if model is not None:
+            taken[k] = model
+    assert taken == {17: 16, 24: 23, 31: 30, 38: 37}
+
+
+def test_another_run_forgets_the_models_of_the_one_before():
+    """Truth: by hand; whichever of the two streams begins anew first."""
+    for model_first in (False, True):
+        queue = ModelQueue(PERIOD, wait=True)
+        queue.begin(0)
+        for k in (50, 51, 52):
+            queue.add(k, f'old {k}', PLAN)
+        if model_first:
+            queue.add(16, 'new 16', PLAN)
+            queue.begin(0, anew=True)
+        else:
+            queue.begin(0, anew=True)
+            queue.add(16, 'new 16', PLAN)
+        assert queue.take(17, PLAN) == (True, 'new 16')

@@ -15,6 +15,7 @@ from satvib_common.calibration import BiasCalibration
 from satvib_common.phases import Phase
 from satvib_common.sequence import Arrival, SequenceTracker
 
+from satvib_ident import ud
 from satvib_ident.estimators import make_estimator, make_regressor
 from satvib_ident.iir_model import IirModel
 from satvib_ident.measures import RecentSignal
@@ -185,6 +186,8 @@ class IdentifierCore:
             for recent in (self._residual, self._input, self._model_error):
                 recent.clear(~full)
         active = full & self._excited(voltage) & (phase in self._phases)
+        if self.parameters.regressor_floor > 0.0:
+            active = active & (ud.dot(w, w) >= self.parameters.regressor_floor**2)
         working = bool(active.any())
         if not (working or self.estimator.keeps_signals):
             self._last = self._report(k, np.full(self.shape, np.nan), changed=False)

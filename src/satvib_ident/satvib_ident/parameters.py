@@ -83,7 +83,8 @@ class IdentifierParameters(LoopParameters):
         read_only=True,
     )
     regressor_floor: float = param(
-        0.0, 'directional: RMS of the regressor (m/s^2 and V mixed) up to which a direction is not forgotten',
+        0.0, 'a sample whose regressor is shorter than this (m/s^2 and V mixed) is left out; for '
+        'directional also the RMS up to which a direction is not forgotten',
         minimum=0.0, read_only=True,
     )  # fmt: skip
     short_window: int = param(

@@ -63,7 +63,10 @@ def write_report(recording: Recording, folder: Path) -> Report:
         figures.mkdir(parents=True)
     except OSError as error:
         raise SatvibError(f'{figures}: cannot be made: {error.strerror}') from None
-    drawn = draw_figures(context, figures)
+    try:
+        drawn = draw_figures(context, figures)
+    except OSError as error:
+        raise SatvibError(f'{figures}: cannot be written: {error.strerror}') from None
     result = write_result(context, folder / 'result.json')
     page = folder / 'report.html'
     write_page(context, result, drawn, page)

@@ -5,6 +5,7 @@
 from pathlib import Path
 
 import numpy as np
+from satvib_common.errors import SatvibError
 
 from satvib_bringup.report.context import Context
 from satvib_bringup.report.style import INK, MEASURED, STRUTS, figure, shade_phases, strut_label
@@ -22,10 +23,7 @@ def draw(context: Context, path: Path) -> bool:
         return False
     voltage = recording.get('voltage', 'voltage')
     saturated = recording.get('voltage', 'saturated')
-    limit = None
-    if recording.scenario is not None:
-        rate = 1.0 / recording.sample_period
-        limit = recording.scenario.controller_parameters(rate).voltage_limit
+    limit = _limit(context)
     with figure(path, len(context.struts), sharex=True, sharey=True) as (_, axes):
         for i, name in enumerate(context.struts):
             ax = axes[i, 0]
@@ -42,3 +40,16 @@ def draw(context: Context, path: Path) -> bool:
             shade_phases(ax, recording, names=i == 0)
         axes[-1, 0].set_xlabel('time [s]')
     return True
+
+
+def _limit(context: Context) -> float | None:
+    """Voltage limit of the run, V; None when it is not known."""
+    scenario = context.recording.scenario
+    if scenario is None:
+        return None
+    rate = 1.0 / context.recording.sample_period
+    try:
+        parameters = scenario.controller_parameters(rate, struts=len(context.struts))
+    except SatvibError:  # a law of one's own that is not here
+        return None
+    return parameters.voltage_limit

@@ -6,7 +6,8 @@ The recent regressors span a subspace: the eigenvectors V of their mean square
 
     S(k) = mu S(k-1) + (1 - mu) w w^T
 
-with eigenvalues above epsilon^2 (the information filter: what is shorter is noise). Before each measurement, with R
+with eigenvalues above epsilon^2 (the information filter: what is shorter is noise; a sample with |w| < epsilon is
+left out altogether, or noise alone would gnaw at what is known). Before each measurement, with R
 = P^-1,
 
     R <- R - (1 - lambda) R V (V^T R V)^-1 V^T R     that is     P <- P + (1/lambda - 1) V (V^T R V)^-1 V^T
@@ -84,7 +85,9 @@ class DirectionalForgetting(NoForgetting):
     def apply(
         self, estimator: Factors, w: Array, error: Array, active: Mask
     ) -> tuple[Array | float, Array, Mask]:
-        """Forget where the recent regressors reach."""
+        """Leave out what is shorter than the floor; forget where the recent regressors reach."""
+        if self._floor > 0.0:
+            active = active & (ud.dot(w, w) >= self._floor)
         factor: Array | float = self.factor
         if self._test is not None:
             tested, _, _ = self._test.apply(estimator, w, error, active)
