@@ -18,6 +18,7 @@ import types
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Self
 
@@ -80,13 +81,24 @@ def constraint_of(field: dataclasses.Field[Any]) -> Constraint:
     return found
 
 
+_KNOWN_HINTS: dict[type, dict[str, Any]] = {}
+
+
+def _hints(cls: type) -> dict[str, Any]:
+    """Types of a schema's fields; finding them anew for every object would be most of the work."""
+    found = _KNOWN_HINTS.get(cls)
+    if found is None:
+        found = _KNOWN_HINTS[cls] = typing.get_type_hints(cls)
+    return found
+
+
 @dataclass(frozen=True)
 class Schema:
     """Base of every checked value object; subclasses are frozen, keyword-only dataclasses."""
 
     def __post_init__(self) -> None:
         """Check each field, then the whole."""
-        hints = typing.get_type_hints(type(self))
+        hints = _hints(type(self))
         for field in dataclasses.fields(self):
             value = _coerced(getattr(self, field.name), hints[field.name], field.name)
             object.__setattr__(self, field.name, value)
@@ -115,7 +127,7 @@ class Schema:
         if not isinstance(mapping, Mapping):
             raise SatvibError(f'{prefix}a mapping of keys is expected, not {_shown(mapping)}')
         try:
-            hints = typing.get_type_hints(cls)
+            hints = _hints(cls)
             fields = {f.name: f for f in dataclasses.fields(cls)}
             for key in mapping:
                 if key not in fields:
@@ -146,6 +158,7 @@ def _suggestion(key: str, known: list[str]) -> str:
     return f'; did you mean {close[0]}?' if close else f' (known: {", ".join(known)})'
 
 
+@lru_cache(maxsize=512)
 def _options(hint: Any) -> tuple[Any, ...]:
     """Alternatives of a union, or the hint alone."""
     if typing.get_origin(hint) in {typing.Union, types.UnionType}:

@@ -11,6 +11,7 @@ numbers enter are in `mechanics`, `sensor_chain` and `period`.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -180,20 +181,47 @@ def rig_names() -> list[str]:
 
 
 def read_rig(name_or_path: str | Path) -> tuple[dict[str, Any], str]:
-    """Read the plain data of a rig, and how messages call it."""
+    """Read the plain data of a rig, whose groups are not to be changed, and how messages call it."""
     text = str(name_or_path)
-    if text.endswith(('.yaml', '.yml')) or '/' in text:
-        data, where = load_yaml(Path(text)), text
-    else:
-        if text not in rig_names():
-            raise SatvibError(
-                f'rig {text!r}: no such rig (known: {", ".join(rig_names())}; or the path of a file)'
-            )
-        file = resources.files('satvib_plant_sim').joinpath('rigs', f'{text}.yaml')
-        data, where = parse_yaml(file.read_text(encoding='utf-8'), f'rig {text}'), f'rig {text}'
+    data = _parsed(text, _identity(text))
+    where = text if _is_path(text) else f'rig {text}'
     if not isinstance(data, Mapping):
         raise SatvibError(f'{where}: a mapping of keys is expected')
     return dict(data), where
+
+
+def _is_path(text: str) -> bool:
+    return text.endswith(('.yaml', '.yml')) or '/' in text
+
+
+def _identity(text: str) -> tuple[int, ...]:
+    """What changes when a rig's file is another one."""
+    if not _is_path(text):
+        return ()
+    try:
+        about = Path(text).stat()
+    except OSError:
+        return ()  # the reader says what is wrong
+    return about.st_dev, about.st_ino, about.st_mtime_ns, about.st_size
+
+
+@lru_cache(maxsize=64)
+def _parsed(text: str, identity: tuple[int, ...]) -> Any:  # noqa: ARG001 - tells files apart
+    """Parse a rig's file once; a campaign asks for it in every trial."""
+    if _is_path(text):
+        return load_yaml(Path(text))
+    if text not in rig_names():
+        raise SatvibError(
+            f'rig {text!r}: no such rig (known: {", ".join(rig_names())}; or the path of a file)'
+        )
+    file = resources.files('satvib_plant_sim').joinpath('rigs', f'{text}.yaml')
+    return parse_yaml(file.read_text(encoding='utf-8'), f'rig {text}')
+
+
+@lru_cache(maxsize=64)
+def _base_rig(text: str, identity: tuple[int, ...]) -> Rig:  # noqa: ARG001
+    data, where = read_rig(text)
+    return Rig.from_mapping({'name': Path(text).stem, **data}, where)
 
 
 def load_rig(name_or_path: str | Path, overrides: Mapping[str, Any] | None = None) -> Rig:
@@ -207,10 +235,11 @@ def load_rig(name_or_path: str | Path, overrides: Mapping[str, Any] | None = Non
     Raises:
         SatvibError: no such rig, unreadable, a wrong key, type or value; the message names rig and key.
     """
-    data, where = read_rig(name_or_path)
-    base = Rig.from_mapping({'name': Path(name_or_path).stem, **data}, where)
+    text = str(name_or_path)
+    base = _base_rig(text, _identity(text))
     if not overrides:
         return base
+    where = text if _is_path(text) else f'rig {text}'
     return Rig.from_mapping(apply_overrides(base.to_mapping(), overrides, where), where)
 
 
