@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
-from satvib_control.controller import ControllerCore
+from satvib_control.centralized_core import make_core
 from satvib_ident.identifier import IdentifierCore
 from satvib_plant_sim.any_rig import AnyRig, make_plant, strut_count
 
@@ -82,7 +82,7 @@ class ClosedLoop:
         shape = (*self.shape, self.plant.struts)
         parameters = first.identifier_parameters(rate)
         self.identifier = IdentifierCore(parameters, shape)
-        self.controller = ControllerCore(
+        self.controller = make_core(
             first.controller_parameters(rate, struts=self.plant.struts), shape
         )
         self.model_period = first.model_period
@@ -93,7 +93,9 @@ class ClosedLoop:
 
     def _check_batch(self) -> None:
         first = self.scenarios[0]
-        shared = ('identifier', 'controller', 'model_period', 'phases', 'duration')
+        shared = (
+            'identifier', 'controller', 'scheme', 'centralized', 'model_period', 'phases', 'duration',
+        )  # fmt: skip
         for scenario, rig in zip(self.scenarios, self.rigs, strict=True):
             for name in shared:
                 if getattr(scenario, name) != getattr(first, name):

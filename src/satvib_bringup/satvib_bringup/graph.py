@@ -9,6 +9,8 @@ One description for the runner and for the launch file:
     strut_i/strut_identifier   watches both
     recorder                   writes it all down
 
+In the centralized scheme one `centralized_controller` stands in the place of all strut controllers.
+
 Nothing here knows ROS: a description is plain data.
 """
 
@@ -30,6 +32,8 @@ from satvib_bringup.bag import custom_data
 from satvib_bringup.recording_check import REPORT, expected_models
 from satvib_bringup.scenario import Scenario
 from satvib_bringup.topics import STRUT_TOPICS
+
+CENTRALIZED = 'centralized_controller'
 
 
 class Stage(IntEnum):
@@ -110,8 +114,10 @@ class Graph:
     def readers(self) -> dict[str, int]:
         """How many of the graph's own nodes read each topic of the loop, when all are there."""
         recorder = sum(p.stage == Stage.RECORDER for p in self.processes)
-        found = {'/schedule': 1 + 2 * len(self.struts) + recorder}
-        own = {'acceleration': 2, 'voltage': 2, 'identified_model': 1}
+        controllers = sum(p.stage == Stage.CONTROLLER for p in self.processes)
+        found = {'/schedule': 1 + len(self.struts) + controllers + recorder}
+        alone = any(p.executable == CENTRALIZED for p in self.processes)
+        own = {'acceleration': 2, 'voltage': 2, 'identified_model': 0 if alone else 1}
         for strut in self.struts:
             for topic in STRUT_TOPICS:
                 found[f'/{strut}/{topic}'] = own.get(topic, 0) + recorder
@@ -156,17 +162,28 @@ def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None
         processes.append(
             Process('satvib_bringup', 'recorder', '/', 'recorder', recorder, Stage.RECORDER)
         )
-    for i, strut in enumerate(struts):
-        processes += [
+    central = scenario.scheme == 'centralized'
+    if central:
+        processes.append(
             Process(
-                'satvib_control', 'strut_controller', f'/{strut}', 'strut_controller',
-                controller.replace(strut=i).to_mapping(), Stage.CONTROLLER,
-            ),
+                'satvib_control', CENTRALIZED, '/', CENTRALIZED,
+                controller.to_mapping(), Stage.CONTROLLER,
+            )
+        )  # fmt: skip
+    for i, strut in enumerate(struts):
+        if not central:
+            processes.append(
+                Process(
+                    'satvib_control', 'strut_controller', f'/{strut}', 'strut_controller',
+                    controller.replace(strut=i).to_mapping(), Stage.CONTROLLER,
+                )
+            )  # fmt: skip
+        processes.append(
             Process(
                 'satvib_ident', 'strut_identifier', f'/{strut}', 'strut_identifier',
                 identifier.to_mapping(), Stage.IDENTIFIER,
-            ),
-        ]  # fmt: skip
+            )
+        )  # fmt: skip
     processes.append(
         Process('satvib_plant_sim', 'plant_sim', '/', 'plant_sim', plant.to_mapping(), Stage.SOURCE)
     )

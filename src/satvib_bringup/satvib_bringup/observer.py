@@ -33,7 +33,10 @@ _LATEST = QoSProfile(
     reliability=ReliabilityPolicy.BEST_EFFORT,
     durability=DurabilityPolicy.VOLATILE,
 )
-_OURS = frozenset({'plant_sim', 'strut_controller', 'strut_identifier', 'recorder', 'daq_bridge'})
+_OURS = frozenset({
+    'plant_sim', 'strut_controller', 'centralized_controller', 'strut_identifier', 'recorder',
+    'daq_bridge',
+})  # fmt: skip
 
 
 class Observer:

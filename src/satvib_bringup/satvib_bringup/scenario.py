@@ -21,6 +21,7 @@ from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import Schema, load_yaml, param
 from satvib_plant_sim.any_rig import AnyRig, load_any_rig, strut_count
 
+from satvib_bringup.centralized import centralized_parameters, take_gains
 from satvib_bringup.overrides import apply_overrides
 from satvib_bringup.settings import nearest, resolve_path
 
@@ -39,6 +40,7 @@ _SET_BY = {
     'model_period': 'set the model_period of the scenario, for all nodes at once',
     'strut': 'every strut gets its own',
     'struts': 'the rig sets it, struts.count',
+    'strut_angles': 'the rig sets it, struts.first_angle',
 }
 
 
@@ -86,6 +88,16 @@ class Scenario(Schema):
     disturbance: dict[str, Any] = param(dict, 'what shakes the lower plate; empty: nothing')
     identifier: dict[str, Any] = param(dict, 'parameters of the strut identifiers')
     controller: dict[str, Any] = param(dict, 'parameters of the strut controllers')
+    scheme: str = param(
+        'decentralized',
+        'a controller for each strut, or one for all of them',
+        choices=('decentralized', 'centralized'),
+    )
+    centralized: dict[str, Any] = param(
+        dict,
+        'parameters of the centralized controller, over those of `controller`; `file` names what '
+        '`satvib tune` has written',
+    )
     model_period: int = param(
         50, 'samples between hand-overs of the model; 0: only at phase changes', minimum=0
     )
@@ -97,7 +109,7 @@ class Scenario(Schema):
             raise SatvibError(f'name: {self.name!r} cannot be part of a folder name')
         if not self.phases:
             raise SatvibError('phases: at least one is needed')
-        for section in ('identifier', 'controller'):
+        for section in ('identifier', 'controller', 'centralized'):
             for key in _SET_BY:
                 if key in getattr(self, section):
                     raise SatvibError(f'{section}.{key}: {_SET_BY[key]}')
@@ -141,17 +153,19 @@ class Scenario(Schema):
     def controller_parameters(
         self, rate: float, lockstep: bool = True, strut: int = 0, struts: int | None = None
     ) -> ControllerParameters:
-        """Give the parameters of a strut's controller.
+        """Give the parameters of a strut's controller, or of the centralized one.
 
         Args:
             rate: Hz.
             lockstep: no clock.
-            strut: counts from 0.
+            strut: counts from 0; of no meaning in the centralized scheme, whose one controller has all struts.
             struts: how many there are; None: the rig is asked.
         """
         from satvib_control.parameters import ControllerParameters
         from satvib_plant_sim.any_rig import strut_count
 
+        if self.scheme == 'centralized':
+            return centralized_parameters(self, self._shared(rate, lockstep))
         own = {'strut': strut, 'struts': struts or strut_count(self.load_rig())}
         return ControllerParameters.from_mapping(
             self.controller | self._shared(rate, lockstep) | own,
@@ -183,6 +197,7 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
     if not isinstance(data, dict):
         raise SatvibError(f'{path}: a mapping of keys is expected')
     apply_overrides(data, overrides)
+    take_gains(data, path)
     data.setdefault('name', path.stem)
     scenario = Scenario.from_mapping(data, str(path))
     rig = resolve_path(scenario.rig, path.parent)

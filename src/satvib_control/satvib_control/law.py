@@ -37,6 +37,7 @@ LAWS = {
     'model_reference': 'satvib_control.model_reference:ModelReference',
     'narrowband': 'satvib_control.narrowband:Narrowband',
     'feedforward': 'satvib_control.feedforward:Feedforward',
+    'centralized': 'satvib_control.centralized:Centralized',
 }
 
 

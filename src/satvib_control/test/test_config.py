@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from satvib_common.schema import load_yaml
+from satvib_control.centralized_parameters import CentralizedParameters
 from satvib_control.parameters import ControllerParameters
 
 FILES = sorted((Path(__file__).resolve().parents[1] / 'config').glob('*.yaml'))
@@ -15,6 +16,8 @@ FILES = sorted((Path(__file__).resolve().parents[1] / 'config').glob('*.yaml'))
 def test_a_parameter_file_loads(path):
     """Truth: the schema. Every key is known and every value has its default, which the file documents."""
     values = load_yaml(path)['/**']['ros__parameters']
-    loaded = ControllerParameters.from_mapping(values, str(path))
+    central = path.stem == 'centralized_controller'
+    schema = CentralizedParameters if central else ControllerParameters
+    loaded = schema.from_mapping(values, str(path))
     for name in values:
-        assert getattr(loaded, name) == getattr(ControllerParameters(), name), name
+        assert getattr(loaded, name) == getattr(schema(), name), name

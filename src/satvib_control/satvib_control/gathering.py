@@ -1,0 +1,39 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Gathers what belongs to one sample from several streams that arrive in any order among each other."""
+
+from typing import Generic, TypeVar
+
+T = TypeVar('T')
+
+
+class Gathering(Generic[T]):
+    """One item per stream and sample.
+
+    A sample that is complete makes all older ones pointless, for a controller answers the newest. A stream that goes
+    back more than the newest complete sample is of a run that has begun anew.
+
+    Args:
+        streams: how many.
+    """
+
+    def __init__(self, streams: int) -> None:
+        self._streams = streams
+        self._parts: dict[int, dict[int, T]] = {}
+        self._done = -1
+
+    def add(self, stream: int, sequence: int, item: T) -> list[T] | None:
+        """Take an item; give the items of all streams when this one was the last of its sample."""
+        if sequence <= self._done:
+            if sequence == 0:
+                self._done = -1
+                self._parts.clear()
+            else:
+                return None
+        parts = self._parts.setdefault(sequence, {})
+        parts[stream] = item
+        if len(parts) < self._streams:
+            return None
+        self._done = sequence
+        self._parts = {k: v for k, v in self._parts.items() if k > sequence}
+        return [parts[i] for i in range(self._streams)]
