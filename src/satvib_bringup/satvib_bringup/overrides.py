@@ -31,12 +31,20 @@ def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> None:
         SatvibError: an override that cannot be read, or a dotted key below something that is no mapping.
     """
     for text in overrides:
-        key, value = parse_override(text)
-        head, _, rest = key.partition('.')
-        if head in {'rig', 'rig_overrides'} and rest:
-            data['rig_overrides'] = {**(data.get('rig_overrides') or {}), rest: value}
-        else:
-            _assign(data, key.split('.'), value, text)
+        apply_value(data, *parse_override(text), text)
+
+
+def apply_value(data: dict[str, Any], key: str, value: Any, text: str) -> None:
+    """Change one dotted key of a scenario's mapping in place; `text` is what messages show.
+
+    Raises:
+        SatvibError: a key below something that is no mapping.
+    """
+    head, _, rest = key.partition('.')
+    if head in {'rig', 'rig_overrides'} and rest:
+        data['rig_overrides'] = {**(data.get('rig_overrides') or {}), rest: value}
+    else:
+        _assign(data, key.split('.'), value, text)
 
 
 def _assign(data: Any, parts: list[str], value: Any, text: str) -> None:
