@@ -261,9 +261,9 @@ def build() -> None:
     started = time.monotonic()
     say('building the workspace')
     stamp.unlink(missing_ok=True)
-    underlay = (
-        '' if os.environ.get('ROS_DISTRO') else f'. {shlex.quote(str(VENV / "setup.bash"))} && '
-    )
+    # of the cleaned environment: a caller that has sourced this very workspace has no other ROS
+    own_ros = 'ROS_DISTRO' in clean_environment()
+    underlay = '' if own_ros else f'. {shlex.quote(str(VENV / "setup.bash"))} && '
     activate = f'export PATH={shlex.quote(str(VENV / "bin"))}:"$PATH" && '
     python = VENV / 'bin' / 'python'
     colcon = (
