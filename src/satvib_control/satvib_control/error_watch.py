@@ -22,8 +22,10 @@ the residual being larger than ever without control and the voltage large enough
 of the watch time, for what grows grows quickly); or when more than a third of the last samples were cut by the guard,
 which is how a loop through a contaminated reference shows itself (x grows with y there). At an alarm the voltage fades
 out within a tenth of the watch time, the weights are forgotten, the pace of adaptation drops to a quarter, and the law
-listens anew. The third alarm ends the matter: 0 V until a new model or a reset. Ten watch times in which the residual
-is a decibel below r_0 <x^2>, which no wrong path ever brings about, forgive one.
+listens anew, after a watch time in which the strut rings down: what rings is no measure of what passes. A law that has
+failed is believed less: after n alarms R^(1 / (n + 1)) is enough for the next. The third alarm ends the matter: 0 V
+until a new model or a reset. Ten watch times in which the residual is a decibel below r_0 <x^2>, which no wrong path
+ever brings about, forgive one.
 """
 
 from satvib_common.kernel import kernel
@@ -66,6 +68,7 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
             verdict[0] = RESTART
             for i in (ERROR, PASSIVE, REFERENCE, EFFECT, RAIL, BASE, HEARD, SHARE, CLOCK, QUICK):
                 memory[i] = 0.0
+            memory[HEARD] = -window  # rings down
         return
     if memory[COUNT] >= ALARMS:
         memory[SHARE] = 0.0
@@ -73,6 +76,10 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
         return
     if valid:
         memory[HEARD] += 1.0
+    if memory[HEARD] < 0.0:
+        verdict[0] = LISTEN
+        return
+    if valid and memory[HEARD] > 0.0:
         forget = max(1.0 / memory[HEARD], 1.0 / window)
         passive = error - effect
         memory[ERROR] += forget * (error * error - memory[ERROR])
@@ -109,7 +116,8 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
         memory[CLOCK] = 0.0
         memory[COUNT] = max(memory[COUNT] - 1.0, 0.0)
         memory[PACE] = min(4.0 * memory[PACE], 1.0)
-    grown = memory[QUICK] > ratio * ratio * max(memory[BASE], 1.0) * memory[REFERENCE]
+    growth = ratio ** (2.0 / (memory[COUNT] + 1.0))
+    grown = memory[QUICK] > growth * max(memory[BASE], 1.0) * memory[REFERENCE]
     cause = 4.0 * memory[EFFECT] > memory[QUICK]
     if (grown and cause and memory[REFERENCE] > floor * floor) or memory[RAIL] > 1.0 / 3.0:
         memory[COUNT] += 1.0

@@ -145,3 +145,23 @@ def test_bits_do_not_depend_on_the_batch():
         for k in range(400):
             judge(alone, error[k][i], reference[k][i], effect[k][i], cut[k][i])
         assert np.array_equal(alone, together[i])
+
+
+def test_a_law_that_has_failed_rings_down_first_and_is_believed_less():
+    """Truth: 50 samples in which even a loud y is not heard, then r_0 = 1 from 50 quiet ones; y = 2 x, no alarm at
+    first (R = 3), is one after the first (3^(1/2) = 1.73), and 1.6 x is not.
+    """
+    assert judge(heard(), 2.0, 1.0, effect=3.0, count=300)[0] == LEARN
+    memory = heard()
+    while judge(memory, 4.0, 1.0, effect=3.0)[0] != RESTART:
+        pass
+    assert judge(memory, 4.0, 1.0, count=50)[0] == LISTEN
+    judge(memory, 1.0, 1.0, count=100)
+    assert memory[BASE] == pytest.approx(1.0)
+    assert judge(memory.copy(), 1.6, 1.0, effect=3.0, count=300)[0] == LEARN
+    for _ in range(300):
+        verdict = judge(memory, 2.0, 1.0, effect=3.0)[0]
+        if verdict != LEARN:
+            break
+    assert verdict == FADE
+    assert memory[COUNT] == 2.0
