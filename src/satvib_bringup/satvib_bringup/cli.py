@@ -10,7 +10,7 @@ import sys
 import typer
 from satvib_common.errors import RunError, SatvibError
 
-from satvib_bringup.commands import identify, listing, report, run, simulate, study, table
+from satvib_bringup.commands import identify, listing, report, run, simulate, study, table, tune
 
 app = typer.Typer(
     name='satvib',
@@ -27,6 +27,7 @@ app.command('report')(report.report)
 app.command('identify')(identify.identify)
 app.command('study')(study.study)
 app.command('table')(table.table)
+app.command('tune')(tune.tune)
 app.command('scenarios')(listing.scenarios)
 app.command('rigs')(listing.rigs)
 
