@@ -36,6 +36,11 @@ from satvib_bringup.scenario import Scenario
 
 Progress = Callable[['LoopStep'], None]
 
+# what the scenarios of a batch have in common
+BATCH_SHARES = (
+    'identifier', 'controller', 'scheme', 'centralized', 'model_period', 'phases', 'duration',
+)  # fmt: skip
+
 
 @dataclass(frozen=True)
 class LoopStep:
@@ -93,11 +98,8 @@ class ClosedLoop:
 
     def _check_batch(self) -> None:
         first = self.scenarios[0]
-        shared = (
-            'identifier', 'controller', 'scheme', 'centralized', 'model_period', 'phases', 'duration',
-        )  # fmt: skip
         for scenario, rig in zip(self.scenarios, self.rigs, strict=True):
-            for name in shared:
+            for name in BATCH_SHARES:
                 if getattr(scenario, name) != getattr(first, name):
                     raise SatvibError(f'batch: scenarios differ in {name}, run them one by one')
             if rig.acquisition.sample_rate != self.rigs[0].acquisition.sample_rate or strut_count(

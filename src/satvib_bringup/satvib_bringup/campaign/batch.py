@@ -20,7 +20,7 @@ from satvib_plant_sim.rig import Rig
 
 from satvib_bringup.campaign.metrics import TrialMetrics
 from satvib_bringup.campaign.trials import TrialPlan
-from satvib_bringup.closed_loop import ClosedLoop
+from satvib_bringup.closed_loop import BATCH_SHARES, ClosedLoop
 from satvib_bringup.scenario import Scenario
 
 Columns = dict[str, NDArray[Any]]
@@ -31,12 +31,16 @@ BATCH = 512
 
 def in_step(scenario: Scenario, rig: AnyRig) -> str:
     """Give what trials of one batch have in common, as text."""
-    a = rig.acquisition
-    steps = (a.fine_steps, a.filter_order) if isinstance(rig, Rig) else (1, 0)
+    steps, angle = (1, 0), 0.0
+    if isinstance(rig, Rig):
+        steps = (rig.acquisition.fine_steps, rig.acquisition.filter_order)
+        # one controller for all struts knows where they stand
+        angle = rig.struts.first_angle if scenario.scheme == 'centralized' else 0.0
     phases = [(s.phase, s.start) for s in scenario.phases]
     told = [
-        scenario.identifier, scenario.controller, scenario.model_period, phases, scenario.duration,
-        type(rig).__name__, a.sample_rate, steps, strut_count(rig),
+        [getattr(scenario, name) for name in BATCH_SHARES if name != 'phases'], phases,
+        type(rig).__name__, rig.acquisition.sample_rate, steps, angle,
+        strut_count(rig),
     ]  # fmt: skip
     return json.dumps(told, sort_keys=True)
 

@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 from satvib_common.kernel import kernel
 
-# ruff: noqa: ANN001, ANN201, ANN202, PLR2004 - compiled functions have the types of their arguments
+# ruff: noqa: ANN001, ANN201, ANN202 - compiled functions have the types of their arguments
 
 
 @njit
@@ -106,7 +106,7 @@ def add_sample(k, dt, windows, tones, fine, reading, origin, sums, gram, done): 
 
 @njit
 def _solve(gram, q, size, w):  # type: ignore[no-untyped-def]
-    """w = G^-1 q by Cholesky's factor of the lower half; False where G has none."""
+    """Solve G w = q by Cholesky's factor of the lower half; False where G has none."""
     factor = np.zeros((size, size))
     for i in range(size):
         for j in range(i + 1):

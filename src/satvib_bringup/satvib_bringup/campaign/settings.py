@@ -53,6 +53,7 @@ class Campaign(Schema):
         0, 'trials that run as one batch and are kept as one part; 0: by the number of trials',
         minimum=0, maximum=100_000,
     )  # fmt: skip
+    judge: str = param('attenuation_true_rms', 'figure by which trials are worse the larger it is')
     parameters: dict[str, Any] = param(description='distribution by key, as for --set')
 
     def check(self) -> None:
@@ -95,7 +96,9 @@ class Campaign(Schema):
 
     def digest(self, scenario: dict[str, Any]) -> str:
         """Fingerprint of everything that decides the trials; `scenario` as plain data, overrides applied."""
-        told = {k: v for k, v in self.to_mapping().items() if k not in {'description', 'name'}}
+        told = {
+            k: v for k, v in self.to_mapping().items() if k not in {'description', 'name', 'judge'}
+        }
         text = json.dumps([told, scenario], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 

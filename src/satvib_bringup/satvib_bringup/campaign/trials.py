@@ -70,7 +70,7 @@ class TrialPlan:
             apply_value(data, key, value, f'{key}={value}')
         unknown = set(data) - set(_NAMES)
         if unknown:
-            name = sorted(unknown)[0]
+            name = min(unknown)
             raise SatvibError(f'{name}: no such key; {nearest(name, sorted(_NAMES))}')
         return self.base.replace(**data)
 
@@ -126,6 +126,13 @@ def plan_trials(campaign: Campaign) -> TrialPlan:
         base = load_scenario(campaign.scenario, [setting(k, v) for k, v in campaign.set.items()])
     except SatvibError as error:
         raise SatvibError(f'{where}: {error}') from None
+    plan = plan_from(campaign, base)
+    plan.check()
+    return plan
+
+
+def plan_from(campaign: Campaign, base: Scenario) -> TrialPlan:
+    """Draw every trial of a campaign over a scenario that is checked already."""
     values = draw(campaign)
     if 'seed' in values:
         seeds = [int(v) for v in values['seed']]
@@ -133,6 +140,4 @@ def plan_trials(campaign: Campaign) -> TrialPlan:
         seeds = [base.seed + i for i in range(campaign.trials)]
     else:
         seeds = [base.seed] * campaign.trials
-    plan = TrialPlan(campaign, base, values, seeds)
-    plan.check()
-    return plan
+    return TrialPlan(campaign, base, values, seeds)
