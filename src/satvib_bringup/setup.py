@@ -8,7 +8,16 @@ setup(
     name=NAME,
     version='0.1.0',
     packages=find_packages(exclude=['test']),
-    package_data={NAME: ['scenarios/*.yaml', 'studies/*.yaml', 'report/*.html', 'report/*.css']},
+    package_data={
+        NAME: [
+            'scenarios/*.yaml',
+            'studies/*.yaml',
+            'campaigns/*.yaml',
+            'report/*.html',
+            'report/*.css',
+            'campaign/*.html',
+        ]
+    },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),

@@ -10,7 +10,17 @@ import sys
 import typer
 from satvib_common.errors import RunError, SatvibError
 
-from satvib_bringup.commands import identify, listing, report, run, simulate, study, table, tune
+from satvib_bringup.commands import (
+    campaign,
+    identify,
+    listing,
+    report,
+    run,
+    simulate,
+    study,
+    table,
+    tune,
+)
 
 app = typer.Typer(
     name='satvib',
@@ -27,6 +37,7 @@ app.command('report')(report.report)
 app.command('identify')(identify.identify)
 app.command('study')(study.study)
 app.command('table')(table.table)
+app.command('campaign')(campaign.campaign)
 app.command('tune')(tune.tune)
 app.command('scenarios')(listing.scenarios)
 app.command('rigs')(listing.rigs)

@@ -13,7 +13,7 @@ parameters are independent, as in a campaign. Spearman's rank correlation adds t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -74,7 +74,9 @@ def rank_correlation(values: Sequence[Any], figure: Array) -> float:
     return float(np.corrcoef(rankdata(x), rankdata(figure))[0, 1])
 
 
-def ranking(parameters: dict[str, Sequence[Any]], figure: Array) -> list[Sensitivity]:
+def ranking(
+    parameters: Mapping[str, Sequence[Any] | NDArray[Any]], figure: Array
+) -> list[Sensitivity]:
     """Rank parameters by their share; trials without the figure (NaN) are left out."""
     good = np.isfinite(figure)
     found = []
