@@ -3,7 +3,8 @@
 """One sample of law narrowband: disturbance observer, tones, voltage, margin, back-off; see `narrowband`.
 
 The voltage of a tone is faded in over two wanted paces, so that a model with a wrong phase turns the tracked tone
-slowly.
+slowly. While a tone is being caught its frequency is in doubt by 3 / N rad, and where |G|^2 over that doubt is more
+in the mean than at the frequency, as beside a zero of the plant, G* / mean |G|^2 stands in the place of 1 / G.
 """
 
 import math
@@ -19,6 +20,7 @@ from satvib_control.tone_tracker import (
     FIRST_HOLD,
     HOLD,
     IM,
+    MEMORY,
     NEXT_HOLD,
     OMEGA,
     ON,
@@ -48,6 +50,7 @@ SHOW_ERROR, SHOW_OMEGA, SHOW_VOLTS, SHOW_PEAK = range(4)
 SHOW_MOVING, SHOW_LIMITED, SHOW_HELD, SHOW_SLOW = range(4, 8)
 SHOW = 8
 RAMP = 0.5
+UNSURE = 3.0
 
 
 @njit
@@ -83,11 +86,27 @@ def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-
         for i in range(tones.shape[0]):
             tones[i, ON] = 0.0
     hop = max(window // HOPS_PER_WINDOW, 1)
-    if common[SEEN] >= window // 2 and int(common[SEEN]) % hop == 0:
+    if common[SEEN] >= window and int(common[SEEN]) % hop == 0:
         prune(tones, settings, floor, step, window)
         search(tones, settings, common, rings[0], floor, step)
         return e, True
     return e, False
+
+
+@njit
+def _invert(b, a, t, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """What x is multiplied by: 1 / G, and while the tone is being caught G* / mean |G|^2 where that is less."""
+    response = respond(b, a, t[OMEGA])
+    power = abs(response) ** 2
+    if power == 0.0:
+        return 0.0j
+    missing = 1.0 - t[MEMORY] / (6.0 * settings[WANTED])
+    if missing > 0.0:
+        doubt = UNSURE * missing / t[MEMORY]
+        below = abs(respond(b, a, max(t[OMEGA] - doubt, 0.0))) ** 2
+        above = abs(respond(b, a, min(t[OMEGA] + doubt, math.pi))) ** 2
+        power = max(power, (below + power + above) / 3.0)
+    return response.conjugate() / power
 
 
 @njit
@@ -127,7 +146,6 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
     d = _observe(b, a, state, applied, y)
     e, searched = _track(settings, common, tones, rings, floor, d, valid)
     inverse = np.zeros(count, dtype=np.complex128)
-    gain = np.zeros(count)
     volts = np.zeros(count)
     share = np.zeros(count)
     strongest = 0.0
@@ -138,13 +156,11 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
         t = tones[i]
         if t[ON] == 0.0:
             continue
-        response = respond(b, a, t[OMEGA])
-        gain[i] = abs(response)
-        if gain[i] == 0.0:
+        inverse[i] = _invert(b, a, t, settings)
+        if inverse[i] == 0.0:
             continue
-        inverse[i] = 1.0 / response
         amplitude = math.sqrt(t[RE] * t[RE] + t[IM] * t[IM])
-        volts[i] = amplitude / gain[i]
+        volts[i] = amplitude * abs(inverse[i])
         show[SHOW_MOVING] = 1.0
         if amplitude > strongest:
             strongest = amplitude

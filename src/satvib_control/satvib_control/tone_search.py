@@ -6,16 +6,18 @@ Every twelfth of the window, the last `window` errors e of the tracker under Han
 
     P(w) = |sum h e e^{-jwk}|^2 / sum h^2,
 
-the variance of e where e is white. The level of the band is told by the lower quartile of P, which three tones do
-not reach; the floor at each frequency is the running mean of P over 16 windows, single values counted up to eight
-times the level. The largest P is a new tone when it is a local maximum, and 25 times the floor there and the level.
-The vertex of the parabola through log P gives its frequency; correlation over the newer half of the window its
-amplitude and phase. What is found leaves the window at once, and the next is sought.
+the variance of e where e is white, on a grid of half a resolution (a resolution is 1 / window). The floor is the
+running mean of P over 16 windows, single values counted up to eight times the level around them, which the lower
+quartile of the 25 nearest points tells. So coloured noise becomes floor, and a single tone, which takes nine points,
+does not. The largest P is a new tone when it is a local maximum, 25 times the floor, and 25 times the level that the
+lower quartile of the whole band tells. The vertex of the parabola through log P gives its frequency; correlation over
+the newer half of the window its amplitude and phase. What is found leaves the window at once, and the next is sought.
 
 Side lobes: what the subtraction leaves of a tone that began inside the window, and the error of a tracker that
 follows a jump, have side lobes. So for a window's length after a find or a jump only peaks above 1/16 of that tone
-count. Around a tone that is settling two resolutions (1 / window) are not searched, around a settled one three
-quarters of one.
+count, and what P says of the noise counts a tenth. Within two resolutions of a tone nothing is sought for two windows
+after its find, and the floor waits, for a second tone there is no noise; later within three quarters of a resolution
+of a tone that has settled and 1.25 of one that has not.
 """
 
 import math
@@ -43,6 +45,7 @@ from satvib_control.tone_tracker import (
 
 CLEAR = 25.0
 HOPS_PER_WINDOW = 12
+AROUND = 25
 
 
 @njit
@@ -67,14 +70,41 @@ def spectrum(ring, pointer, low, step, out):  # type: ignore[no-untyped-def]  # 
 
 
 @njit
-def _hidden(tones, omega, window):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Whether a frequency lies too near to a tone that is tracked."""
-    resolution = 2.0 * math.pi / window
+def _levels(power, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Level of the noise around each point: what the lower quartile of its `AROUND` nearest points tells."""
+    count = power.shape[0]
+    size = min(AROUND, count)
+    rank = size // 4
+    kept = np.empty(rank + 1)
+    for q in range(count):
+        first = min(max(q - size // 2, 0), count - size)
+        filled = 0
+        for i in range(first, first + size):  # the rank + 1 smallest, in order
+            value = power[i]
+            if filled == rank + 1 and value >= kept[rank]:
+                continue
+            j = min(filled, rank)
+            while j > 0 and kept[j - 1] > value:
+                kept[j] = kept[j - 1]
+                j -= 1
+            kept[j] = value
+            filled = min(filled + 1, rank + 1)
+        out[q] = kept[rank] / 0.2877
+
+
+@njit
+def _near(tones, omega, window, unsettled, settled):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Whether a frequency is near to a tracked tone.
+
+    Within two resolutions for the first two windows after a find, then within `unsettled` or `settled`.
+    """
     for i in range(tones.shape[0]):
         t = tones[i]
         if t[ON] > 0.0:
-            settled = t[MEMORY] > 2.0 * window and t[AGE] > 2.0 * window
-            if abs(t[OMEGA] - omega) < (0.75 if settled else 2.0) * resolution:
+            around = 2.0
+            if t[AGE] > 2.0 * window:
+                around = settled if t[MEMORY] > 2.0 * window else unsettled
+            if abs(t[OMEGA] - omega) * window < around * 2.0 * math.pi:
                 return True
     return False
 
@@ -119,24 +149,25 @@ def search(tones, settings, common, ring, floor, step):  # type: ignore[no-untyp
     window, count = ring.shape[0], floor.shape[0]
     pointer = int(common[POINTER])
     power = np.empty(count)
+    level = np.empty(count)
     least = max(settings[SMALLEST] ** 2 * window / 6.0, 1e-300)
-    mean = 0.0
     calm = common[SEEN] - common[FRESH] >= window
     fresh = calm and not np.any(tones[:, ON] > 0.0)
     if calm:
         common[TOP] = 0.0
+    lowest = 0.0
     for _ in range(tones.shape[0]):
         spectrum(ring, pointer, settings[LOW], step, power)
-        mean = np.sort(power)[count // 4] / 0.2877
+        lowest = np.sort(power)[count // 4] / 0.2877
         best = -1
         top = max(least, common[TOP] / 16.0)
         for q in range(1, count - 1):
-            if power[q] > top and not _hidden(tones, settings[LOW] + q * step, window):
+            if power[q] < max(power[q - 1], power[q + 1]):
+                continue
+            if power[q] > top and not _near(tones, settings[LOW] + q * step, window, 1.25, 0.75):
                 top = power[q]
                 best = q
-        if best < 0 or power[best - 1] > top or power[best + 1] > top:
-            break
-        if top < CLEAR * max(mean, floor[best]):
+        if best < 0 or top < CLEAR * max(lowest, floor[best]):
             break
         i = _free(tones, top, window)
         if i < 0:
@@ -151,12 +182,15 @@ def search(tones, settings, common, ring, floor, step):  # type: ignore[no-untyp
         if fresh:
             common[TROUBLE] = 0.0
         common[TOP] = max(common[TOP], top)
-    common[HOPS] = min(common[HOPS] + 1.0, 16.0 * HOPS_PER_WINDOW)
-    weight = 1.0 / common[HOPS]
-    if common[SEEN] - common[FRESH] < window:
-        weight *= 0.1  # tones are settling: the spectrum is hardly one of noise
+    # tones that settle hide the noise: the spectrum says little then, and is taken with a tenth of the weight
+    weight = 0.1 if common[SEEN] - common[FRESH] < window else 1.0
+    common[HOPS] = min(common[HOPS] + weight, 16.0 * HOPS_PER_WINDOW)
+    weight /= common[HOPS]
+    _levels(power, level)
     for q in range(count):
-        value = min(power[q], 8.0 * mean)
+        value = min(power[q], 8.0 * level[q])
+        if _near(tones, settings[LOW] + q * step, window, 0.0, 0.0):
+            value = max(floor[q], lowest)  # there may be another tone, which is not noise
         floor[q] += (value - floor[q]) * weight
 
 

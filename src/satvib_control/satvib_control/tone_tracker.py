@@ -12,17 +12,19 @@ itself: nothing pulls the frequency off the tone, while the poles of an AR(2) fi
 frequency follows from the phase error psi by a fading-memory filter (Morrison, Introduction to Sequential Smoothing and
 Prediction, 1969) with a memory of N samples,
 
-    psi = -2 e Im x^- / |x|^2,    w += r + (1 - b^2) psi / n,    r += (1 - b)^2 psi / n,    b = 1 - 1 / N,
+    psi = -2 e Im x^- / |x|^2,    w += r + (1 - b^2) psi / n,    r += 1.5 (1 - b)^2 psi / n,    b = 1 - 1 / N,
 
-r being the rate, so that a chirp leaves no lag. While |r| is less than five times what noise alone makes of it, it
-is forgotten within N / 4 samples, and a steady tone is tracked as by a filter of the order zero.
+r being the rate, so that a chirp leaves no lag. While N grows and |r| is less than five times what noise alone makes
+of it, r is forgotten within N / 4 samples, and a steady tone is tracked as by a filter of the order zero. With r at
+rest var w = 4 s^2 / (A^2 N^2 n), s^2 being the local noise (see `tone_search`) and A the amplitude.
 
 Variable forgetting. q, the quadrature of e in the frame of x over 2 n samples, has the variance s^2 / (6 n) as long
-as the tone is what the tracker thinks (s^2: local noise, see `tone_search`). While q^2 is more than 24 times that,
-N falls, at a rate that grows with the excess to 2 / period; else it grows by 0.45 per sample, as in least squares
-over all samples since. The pace n is N / 6, at least a period of the tone, at most what is wanted, times the
-stretch of `tone_margin`. With N >= 6 n the linearized loop has well-damped poles, and stands a rotation of e by 80
-degrees.
+as the tone is what the tracker thinks. While q^2 is more than 24 times that, N falls, at a rate that grows with the
+excess to one e-fold in 0.75 periods; else it grows by 0.4 per sample. Least squares over all k samples since have the
+gains 4 / k and 6 / k^2, which is N = k / 2 here; by 0.4 what was wrong at the beginning is forgotten as 1 / k^2, while
+with 1 / N^2 for the gain of r it would hardly be forgotten at all. The pace n is N / 6, at least one and a half
+periods of the tone and 1.5 / |w_i - w_j| for its nearest neighbour, at most what is wanted, times the stretch of
+`tone_margin`. With N >= 6 n the linearized loop has well-damped poles, and stands a rotation of e by 80 degrees.
 
 A tone is lost, and its place free, when |x|^2 falls below four times what noise alone makes of it (2 s^2 / n).
 """
@@ -45,7 +47,10 @@ POWER_Y, POWER_U, BASE, SILENT, USELESS, HOLD, NEXT_HOLD, SLOW = range(11, 19)
 COMMON = 19
 
 ALARM = 24.0
-GROWTH = 0.45
+GROWTH = 0.4
+TREND = 1.5  # gain of the rate times N^2
+APART = 1.5  # shortest pace times the distance to the nearest tone, rad
+SHORTEST = 3.0  # half periods of a tone in its shortest pace
 
 
 @njit
@@ -71,14 +76,25 @@ def predict(tones):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @njit
+def _shortest(tones, i):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Shortest pace of tone i: in periods, and in the beat with its nearest neighbour."""
+    omega = tones[i, OMEGA]
+    least = SHORTEST * math.pi / omega
+    for j in range(tones.shape[0]):
+        if j != i and tones[j, ON] > 0.0:
+            least = max(least, APART / max(abs(tones[j, OMEGA] - omega), 0.1 * omega))
+    return least
+
+
+@njit
 def correct(tones, settings, common, floor, step, e):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Take the shared error of a sample into every tone."""
     for i in range(tones.shape[0]):
         t = tones[i]
         if t[ON] == 0.0:
             continue
-        period = 2.0 * math.pi / t[OMEGA]
-        n = common[STRETCH] * max(min(settings[WANTED], t[MEMORY] / 6.0), period)
+        least = _shortest(tones, i)
+        n = common[STRETCH] * max(min(settings[WANTED], t[MEMORY] / 6.0), least)
         t[PACE] = n
         power = t[RE] * t[RE] + t[IM] * t[IM] + 1e-300
         amplitude = math.sqrt(power)
@@ -93,14 +109,14 @@ def correct(tones, settings, common, floor, step, e):  # type: ignore[no-untyped
         psi = min(max(quadrature / amplitude, -1.0), 1.0) / n
         forget = 1.0 / max(t[MEMORY], 6.0 * n)
         t[OMEGA] += t[RATE] + (2.0 * forget - forget * forget) * psi
-        t[RATE] += forget * forget * psi
-        known = 33.0 * math.sqrt(noise * forget / power) * forget * forget
-        if abs(t[RATE]) < known:
-            t[RATE] *= 1.0 - 4.0 * forget
+        t[RATE] += TREND * forget * forget * psi
         excess = 6.0 * n * t[QUADRATURE] * t[QUADRATURE] / (ALARM * noise) - 1.0
+        known = 33.0 * math.sqrt(noise * forget / power) * forget * forget
+        if excess <= 0.0 and abs(t[RATE]) < known:
+            t[RATE] *= 1.0 - 4.0 * forget
         if excess > 0.0:
-            cut = min(0.25 * excess, 1.0) * 2.0 / period
-            t[MEMORY] = max(t[MEMORY] * (1.0 - cut), 6.0 * period)
+            cut = min(0.25 * excess, 1.0) * 2.0 / least
+            t[MEMORY] = max(t[MEMORY] * (1.0 - cut), 6.0 * least)
             if t[MEMORY] < 6.0 * settings[WANTED]:
                 common[FRESH] = common[SEEN]
                 common[TOP] = max(common[TOP], power * settings[WINDOW] / 6.0)
@@ -142,4 +158,4 @@ def begin(t, omega, re, im):  # type: ignore[no-untyped-def]  # noqa: ANN001, AN
     """Begin to track a tone that was found."""
     t[:] = 0.0
     t[RE], t[IM], t[OMEGA], t[ON] = re, im, omega, 1.0
-    t[MEMORY] = 12.0 * math.pi / omega
+    t[MEMORY] = 6.0 * SHORTEST * math.pi / omega
