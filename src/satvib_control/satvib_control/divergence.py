@@ -166,7 +166,8 @@ class DivergenceWatch:
             y, passive, applied / self.limit, saturated.astype(float), float(acting),
             self._settings, self._memory,
         )  # fmt: skip
-        self.busy = bool((np.asarray(scale) < 1.0).any())
+        # also on the very sample of a suspicion, where the voltage is still whole: the same in any batch
+        self.busy = bool((np.asarray(scale) < 1.0).any() or (self._memory[..., CLOCK] > 0.0).any())
         return np.asarray(scale), np.asarray(verdict)
 
     def listening(self) -> Mask:
