@@ -58,14 +58,20 @@ class Case:
                 f'rig={self.rig}',
                 *(f'rig.{key}={value}' for key, value in rig.items()),
                 f'seed={seed}',
-                'phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 1.0}, '
-                f'{{phase: STANDBY, start: {end}}}]',
+                (
+                    'phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 1.0}, '
+                    f'{{phase: STANDBY, start: {end}}}]'
+                ),
                 f'duration={end + 0.1}',
                 'disturbance={kind: none}',
-                f'identifier={{poles: {self.poles}, coefficients: {self.coefficients}, '
-                f'delay: {self.delay}}}',
-                f'controller={{law: off, excitation: {self.excitation}, '
-                f'excitation_options: [{", ".join(self.options)}]}}',
+                (
+                    f'identifier={{poles: {self.poles}, coefficients: {self.coefficients}, '
+                    f'delay: {self.delay}}}'
+                ),
+                (
+                    f'controller={{law: off, excitation: {self.excitation}, '
+                    f'excitation_options: [{", ".join(self.options)}]}}'
+                ),
                 'analysis={}',
             ],
         )

@@ -7,7 +7,11 @@
       rig:         {paper_3dof: {rig: paper_3dof}, ...}
       law:         {narrowband: {controller: {law: narrowband}}, ...}
 
-Each label of an axis holds further keys of a scenario; later axes win, nested mappings are merged.
+Each label of an axis holds further keys of a scenario; later axes win, nested mappings are merged. What belongs to no
+label alone stands in `exceptions`, which win over all:
+
+    exceptions:
+      - {labels: {rate: 1000 Hz, latency: 5 ms}, keys: {identifier: {delay: 6}}}
 """
 
 from __future__ import annotations
@@ -24,9 +28,11 @@ from typing import Any
 
 import numpy as np
 from satvib_common.errors import SatvibError
+from satvib_common.phases import Phase
 from satvib_common.schema import Schema, load_yaml, param
 
 from satvib_bringup.overrides import apply_overrides
+from satvib_bringup.recording import Recording
 from satvib_bringup.scenario import Scenario, check_scenario
 from satvib_bringup.settings import nearest
 
@@ -45,6 +51,23 @@ class StudyFigure(Schema):
 
 
 @dataclass(frozen=True, kw_only=True)
+class StudySummary(Schema):
+    """A short table: one axis down, one across, all others fixed."""
+
+    row: str = param(description='axis with a line for every label')
+    column: str = param(description='axis with a column for every label')
+    fixed: dict[str, Any] = param(dict, 'by axis: the one label that is shown')
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyException(Schema):
+    """Keys of the cells that have all of some labels."""
+
+    labels: dict[str, Any] = param(description='by axis: the label')
+    keys: dict[str, Any] = param(description='keys of a scenario')
+
+
+@dataclass(frozen=True, kw_only=True)
 class Study(Schema):
     """What is varied, over a base that all cells share."""
 
@@ -52,7 +75,9 @@ class Study(Schema):
     description: str = param('', 'what it shows')
     base: dict[str, Any] = param(description='keys of a scenario that all cells share')
     axes: dict[str, Any] = param(description='by name of the axis: by label: keys of a scenario')
+    exceptions: tuple[StudyException, ...] = param((), 'keys of cells with several labels at once')
     figure: StudyFigure | None = param(None, 'what is drawn; none: nothing')
+    summary: StudySummary | None = param(None, 'the short table for a page; none: nothing')
 
     def check(self) -> None:
         """Check the shape of the axes; their keys are checked cell by cell."""
@@ -65,10 +90,25 @@ class Study(Schema):
                 if not isinstance(keys, dict):
                     raise SatvibError(f'axes.{name}.{label}: a mapping of keys is expected')
 
-        drawn = self.figure
-        for axis in (drawn.x, drawn.panel, drawn.line, *drawn.fixed) if drawn else ():
+        self._check_labels()
+
+    def _check_labels(self) -> None:
+        drawn, short = self.figure, self.summary
+        named: list[tuple[str, str, Any]] = []
+        if drawn:
+            named += [('figure', axis, None) for axis in (drawn.x, drawn.panel, drawn.line)]
+            named += [('figure', *item) for item in drawn.fixed.items()]
+        if short:
+            named += [('summary', axis, None) for axis in (short.row, short.column)]
+            named += [('summary', *item) for item in short.fixed.items()]
+        for exception in self.exceptions:
+            named += [('exceptions', *item) for item in exception.labels.items()]
+        for where, axis, label in named:
             if axis not in self.axes:
-                raise SatvibError(f'figure: no axis {axis!r}; {nearest(axis, list(self.axes))}')
+                raise SatvibError(f'{where}: no axis {axis!r}; {nearest(axis, list(self.axes))}')
+            if label is not None and label not in self.axes[axis]:
+                known = nearest(str(label), list(self.axes[axis]))
+                raise SatvibError(f'{where}: axis {axis} has no label {label!r}; {known}')
 
     def cells(self) -> list[Cell]:
         """Every combination, checked, the last axis fastest.
@@ -83,6 +123,9 @@ class Study(Schema):
         data: dict[str, Any] = {'name': self.name, **self.base}
         for axis, label in named.items():
             data = merged(data, self.axes[axis][label])
+        for exception in self.exceptions:
+            if all(named[axis] == label for axis, label in exception.labels.items()):
+                data = merged(data, exception.keys)
         where = f'study {self.name}: {", ".join(labels)}'
         scenario = Scenario.from_mapping(data, where)
         check_scenario(scenario, where)
@@ -152,6 +195,7 @@ def run_cell(cell: Cell) -> dict[str, Any]:
         'settling_time': e.settling_time,
         'largest_amplification': e.largest_amplification,
         'largest_voltage': e.largest_voltage,
+        'largest_control_voltage': _control_voltage(recording),
     }
     return {
         'labels': cell.labels,
@@ -160,6 +204,12 @@ def run_cell(cell: Cell) -> dict[str, Any]:
         'worst': {name: _worst(values) for name, values in figures.items()},
         'reasons': sorted({str(text) for text in recording.get('state', 'reason')[-1] if text}),
     }
+
+
+def _control_voltage(recording: Recording) -> Any:
+    """Largest voltage in CONTROL, (struts,) V; 0: the law never acted."""
+    voltage = np.abs(recording.get('voltage', 'voltage')[recording.phase == Phase.CONTROL])
+    return np.max(voltage, axis=0, initial=0.0)
 
 
 def _plain(values: Any) -> list[float | None]:

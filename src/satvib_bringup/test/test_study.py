@@ -10,7 +10,7 @@ from satvib_bringup.analysis import analyse
 from satvib_bringup.closed_loop import simulate
 from satvib_bringup.study import FOLDER, StudyFigure, load_study, merged, run_study, study_names
 from satvib_bringup.study_figure import draw, shown
-from satvib_bringup.study_table import COLUMNS, markdown
+from satvib_bringup.study_table import COLUMNS, fill, markdown, summary
 from satvib_common.errors import SatvibError
 
 SMALL = {
@@ -134,3 +134,35 @@ def test_a_figure_of_an_axis_that_is_not_there_is_named(small):
     """Truth: by hand."""
     with pytest.raises(SatvibError, match="no axis 'rug'; did you mean rig"):
         load_study(small, ['figure={x: rug, panel: law, line: law}'])
+
+
+def test_exceptions_are_for_cells_with_all_of_their_labels(small):
+    """Truth: by hand: one of two cells has the seed of the exception; what is not there is named."""
+    exception = 'exceptions=[{labels: {rig: stiff, law: velocity}, keys: {seed: 8}}]'
+    assert [cell.scenario.seed for cell in load_study(small, [exception]).cells()] == [3, 8]
+    with pytest.raises(SatvibError, match="exceptions: no axis 'lav'; did you mean law"):
+        load_study(small, ['exceptions=[{labels: {lav: velocity}, keys: {}}]'])
+    with pytest.raises(SatvibError, match="axis law has no label 'velocty'; did you mean velocity"):
+        load_study(small, ['exceptions=[{labels: {law: velocty}, keys: {}}]'])
+
+
+def test_a_page_gets_its_tables_between_its_marks(small, tmp_path):
+    """Truth: by hand: what stood between the marks is gone, the rest stays; a page without marks is left alone."""
+    study = load_study(small, ['summary={row: law, column: rig, fixed: {disturbance: 10 Hz}}'])
+    rows = [row for _, row in sorted(run_study(study.cells(), jobs=1))]
+    short = summary(rows, study.summary)
+    assert short.splitlines()[0] == '| law | stiff |'
+    assert short.splitlines()[2] == '| none | 0 V |'
+    figures = rows[1]['worst']
+    for kind in ('measured_tone', 'true_tone', 'true_rms'):
+        assert f'{figures[kind]:+.1f}' in short.splitlines()[3]
+    page = tmp_path / 'page.md'
+    page.write_text('a\n<!-- summary small -->\nold\n<!-- end -->\nb\n')
+    assert fill(page, {'table small': 'unused', 'summary small': short}) == 1
+    assert page.read_text() == f'a\n<!-- summary small -->\n{short}<!-- end -->\nb\n'
+    page.write_text('nothing\n')
+    with pytest.raises(SatvibError, match='no mark <!-- table small -->'):
+        fill(page, {'table small': short})
+    assert page.read_text() == 'nothing\n'
+    with pytest.raises(SatvibError, match='cannot be read'):
+        fill(tmp_path / 'none.md', {'table small': short})

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`satvib table`: laws x rigs x disturbances by the offline twin, as tables."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -21,6 +22,13 @@ def table(
     jobs: Annotated[
         int | None, typer.Option('--jobs', '-j', help='Processes; all cores if not given.', min=1)
     ] = None,
+    page: Annotated[
+        list[Path] | None,
+        typer.Option(
+            '--page',
+            help='Write the tables between the marks of this Markdown page, too; may be given many times.',
+        ),
+    ] = None,
     folder: Folder = None,
 ) -> None:
     """Run every law on every rig under every disturbance, and print and write the tables.
@@ -28,6 +36,7 @@ def table(
     Attenuation is against the open-loop twin in the same instants; of several struts the worst is shown.
     """
     import json
+    import shutil
 
     from rich.progress import track
     from satvib_common.errors import SatvibError
@@ -36,7 +45,7 @@ def table(
     from satvib_bringup.run_folder import free_run_folder, make_run_folder
     from satvib_bringup.study import load_study, run_study
     from satvib_bringup.study_figure import draw
-    from satvib_bringup.study_table import markdown
+    from satvib_bringup.study_table import fill, markdown, summary
 
     loaded = load_study(study, settings)
     cells = loaded.cells()
@@ -63,5 +72,13 @@ def table(
     (target / 'table.json').write_text(json.dumps(ordered, indent=1, allow_nan=False) + '\n')
     if loaded.figure is not None:
         draw(ordered, loaded.figure, target / 'table.png')
+    tables = {f'table {loaded.name}': text}
+    if loaded.summary is not None:
+        tables[f'summary {loaded.name}'] = summary(ordered, loaded.summary)
+    for path in page or []:
+        fill(path, tables)
+        figures = path.parent / 'figures'
+        if loaded.figure is not None and figures.is_dir():
+            shutil.copy(target / 'table.png', figures / f'{loaded.name}.png')
     console.print(text, soft_wrap=True)
     console.print(f'{len(ordered)} cells; the tables are in {target}')
