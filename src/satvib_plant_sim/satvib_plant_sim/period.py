@@ -17,9 +17,12 @@ from satvib_plant_sim.fine_step import (
     forces_3,
     record_1,
     record_3,
-    step_2,
-    step_3,
-    step_5,
+    step_1_2,
+    step_1_3,
+    step_1_5,
+    step_3_2,
+    step_3_3,
+    step_3_5,
 )
 from satvib_plant_sim.hold import begin_lines, next_event, turn
 
@@ -89,7 +92,7 @@ def advance_period(  # type: ignore[no-untyped-def]
     springs = strut.copy()
     masses = inertia.copy()
     x = state.copy()
-    y = np.empty(rows)
+    y = np.zeros(rows)
     line = np.empty((2, n))
     change = np.zeros((2, n))
     pull = np.empty(n)
@@ -115,14 +118,20 @@ def advance_period(  # type: ignore[no-untyped-def]
         x[size + 1] = j
         x[size + 2] = disturbance[0, j]
         x[size + 3] = disturbance[0, j + 1]
-        if stages == 2:
-            step_2(step, own, x, y)
-        elif stages == 3:
-            step_3(step, own, x, y)
-        elif stages == 5:
-            step_5(step, own, x, y)
+        if n == 3 and stages == 2:
+            step_3_2(step, own, x, y)
+        elif n == 3 and stages == 3:
+            step_3_3(step, own, x, y)
+        elif n == 3 and stages == 5:
+            step_3_5(step, own, x, y)
+        elif n == 1 and stages == 2:
+            step_1_2(step, own, x, y)
+        elif n == 1 and stages == 3:
+            step_1_3(step, own, x, y)
+        elif n == 1 and stages == 5:
+            step_1_5(step, own, x, y)
         else:
-            any_step(step, own, x, y)
+            any_step(step, own, x, y, size)
         if channels > 1:
             add_rows(y, push, disturbance[1, j : j + 2])
         if divided:
