@@ -28,7 +28,8 @@ from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_control.centralized_core import make_core
 from satvib_ident.identifier import IdentifierCore
-from satvib_plant_sim.any_rig import AnyRig, make_plant, strut_count
+from satvib_plant_sim.any_rig import AnyRig, strut_count
+from satvib_plant_sim.failing_plant import FailingPlant, make_failing_plant
 
 from satvib_bringup.loop_recorder import LoopRecorder
 from satvib_bringup.recording import Recording
@@ -79,9 +80,11 @@ class ClosedLoop:
         disturbances = [scenario.make_disturbance() for scenario in self.scenarios]
         seeds = [scenario.seed for scenario in self.scenarios]
         self.plant = (
-            make_plant(self.rigs[0], disturbances[0], seeds[0])
+            make_failing_plant(self.rigs[0], disturbances[0], seeds[0], first.failures)
             if single
-            else make_plant(self.rigs, disturbances, seeds)
+            else make_failing_plant(
+                self.rigs, disturbances, seeds, [scenario.failures for scenario in self.scenarios]
+            )
         )
         self.shape: tuple[int, ...] = () if single else (len(self.scenarios),)
         shape = (*self.shape, self.plant.struts)
@@ -109,6 +112,12 @@ class ClosedLoop:
                     'batch: rigs differ in sample rate or struts, run them one by one'
                 )
 
+    def _known(self, voltage: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What an identifier hears of a voltage: nothing from a controller that is dead."""
+        if not isinstance(self.plant, FailingPlant) or not self.plant.dead.any():
+            return voltage
+        return np.where(self.plant.dead, np.nan, voltage)
+
     def steps(self) -> Iterator[LoopStep]:
         """Run the whole plan, sample by sample."""
         identification = None
@@ -123,7 +132,7 @@ class ClosedLoop:
                     identification.covariance,
                 )
             output = self.controller.step(k, self.plan, sample.upper, sample.lower)
-            self._voltages.append(output.voltage)
+            self._voltages.append(self._known(output.voltage))
             identification = self.identifier.step(k, phase, sample.upper, self._voltages[0])
             truth = self.plant.advance(output.voltage)
             yield LoopStep(k, phase, sample, identification, output, truth)
@@ -161,7 +170,7 @@ def simulate_open_loop(recording: Recording) -> Recording:
     scenario, rig = recording.scenario, recording.rig
     if scenario is None or rig is None:
         raise SatvibError(f'{recording.source}: does not say which scenario and rig it is of')
-    plant = make_plant(rig, scenario.make_disturbance(), recording.seed)
+    plant = make_failing_plant(rig, scenario.make_disturbance(), recording.seed, scenario.failures)
     end = int(recording.sequence[-1]) + 1
     samples = np.zeros((2, end, plant.struts))
     truths = np.zeros((2, end, plant.struts, plant.n_fine))

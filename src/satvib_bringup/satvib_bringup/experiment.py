@@ -14,7 +14,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from satvib_common.errors import RunError, SatvibError
@@ -117,6 +117,7 @@ class _Run:
     samples: int = 0
     began: float | None = None
     wall_time: float = 0.0
+    killed: set[str] = field(default_factory=set)
 
     def go(
         self,
@@ -141,7 +142,7 @@ class _Run:
         if self.bag is not None:
             graph = self.graph
             report = read_report(self.folder)
-            wrong = complaint(report, graph.struts, graph.plan.end, graph.models)
+            wrong = complaint(report, graph.struts, graph.plan.end, graph.models, graph.silenced())
         return self._outcome(wrong, 1 if wrong else 0)
 
     def _start(self, supervisor: Supervisor, process: Process, path: Path) -> None:
@@ -179,7 +180,19 @@ class _Run:
                     self.samples = seen.sequence + 1
                     if progress is not None:
                         progress(seen)
+            self._kill_the_doomed(supervisor, observer)
             time.sleep(_POLL)
+
+    def _kill_the_doomed(self, supervisor: Supervisor, observer: Observer) -> None:
+        """Kill whom the scenario wants dead by now."""
+        left = [(k, name) for k, name in self.graph.deaths if name not in self.killed]
+        if not left:
+            return
+        seen = observer.look()
+        for k, name in left:
+            if seen is not None and seen.sequence >= k:
+                self.killed.add(name)
+                supervisor.kill(name)
 
     def _look_for_the_dead(self, supervisor: Supervisor) -> bool:
         """Whether the plant has ended as it should.
@@ -192,9 +205,11 @@ class _Run:
         ended = supervisor.ended()
         source = {p.full_name for p in self.graph.processes if p.stage == Stage.SOURCE}
         for exit_ in ended:
+            if exit_.name in self.killed:
+                continue
             if exit_.name not in source or exit_.code != 0:
                 raise _EndedError(str(exit_), 2 if exit_.code == 2 else 1, exit_)
-        return bool(ended)
+        return any(exit_.name in source for exit_ in ended)
 
     def _stop_in_order(self, supervisor: Supervisor) -> None:
         for stage in Stage:

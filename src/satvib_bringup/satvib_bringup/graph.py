@@ -24,8 +24,10 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_plant_sim.any_rig import strut_count
+from satvib_plant_sim.failures import CONTROLLER
 from satvib_plant_sim.parameters import PlantParameters
 
 from satvib_bringup.bag import custom_data
@@ -96,6 +98,7 @@ class Graph:
         plan: phases by sample.
         models: how many models a strut publishes.
         custom: texts for the bag: the scenario and the rig.
+        deaths: sample and full name of each controller that is to be killed.
     """
 
     processes: tuple[Process, ...]
@@ -106,6 +109,12 @@ class Graph:
     plan: PhasePlan
     models: int
     custom: Mapping[str, str]
+    deaths: tuple[tuple[int, str], ...] = ()
+
+    def silenced(self) -> frozenset[str]:
+        """Names of the struts whose controllers die in the run."""
+        named = {name.rpartition('/')[0] for _, name in self.deaths}
+        return frozenset(self.struts if '' in named else named)
 
     def topics(self) -> list[str]:
         """Topics of the struts, absolute."""
@@ -142,6 +151,7 @@ def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None
         rig=scenario.rig,
         rig_overrides=tuple(f'{k}={_inline(v)}' for k, v in scenario.rig_overrides.items()),
         disturbance=_inline(scenario.disturbance or {'kind': 'none'}),
+        failures=_inline([f.to_mapping() for f in scenario.failures if f.kind != CONTROLLER]),
         seed=scenario.seed,
         lockstep=not realtime,
     )
@@ -190,9 +200,36 @@ def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None
     return Graph(
         tuple(processes), scenario.name, scenario.seed, 1.0 / rate, struts, plan,
         expected_models(plan, phases, identifier.model_period), custom,
+        _deaths(scenario, processes, rate, realtime),
     )  # fmt: skip
 
 
 def _inline(value: Any) -> str:
     """YAML in one line."""
     return json.dumps(value)
+
+
+def _deaths(
+    scenario: Scenario, processes: list[Process], rate: float, realtime: bool
+) -> tuple[tuple[int, str], ...]:
+    """Which processes are to be killed at which samples.
+
+    Raises:
+        SatvibError: a controller is to be killed in lockstep, where the plant would wait for it for ever.
+    """
+    found = []
+    for failure in scenario.failures:
+        if failure.kind != CONTROLLER:
+            continue
+        if not realtime:
+            raise SatvibError(
+                f'scenario {scenario.name}: failures: in lockstep the plant waits for every '
+                'controller, one that is killed ends the run; run it with --realtime, or simulate it'
+            )
+        for process in processes:
+            alone = process.executable == CENTRALIZED or failure.strut == 0
+            if process.stage == Stage.CONTROLLER and (
+                alone or process.namespace == f'/strut_{failure.strut}'
+            ):
+                found.append((failure.sample(1.0 / rate), process.full_name))
+    return tuple(sorted(found))

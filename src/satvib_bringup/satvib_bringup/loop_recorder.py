@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 from satvib_control.law import STATE_FIELDS
 from satvib_control.reasons import text_of
+from satvib_plant_sim.failures import CONTROLLER, Failure
 
 from satvib_bringup.recording import Group, Recording
 
@@ -27,6 +29,7 @@ OUTPUT = (
     'reference', 'output', 'voltage', 'upper_rms', 'bias_upper', 'bias_lower', 'adapting',
     'saturated', 'fault', 'reason',
 )  # fmt: skip
+SPOKEN = ('voltage', 'state')  # what a controller says, as long as it lives
 TRUTH = ('upper', 'lower', 'stroke', 'stroke_peak', 'force_peak', 'current')
 
 
@@ -95,10 +98,12 @@ class LoopRecorder:
             picked = array[:, trial] if loop.shape else array
             groups.setdefault(group, {})[_NAMES.get(name, name)] = _plain(name, picked)
         end, struts = loop.plan.end, loop.plant.struts
-        for fields in groups.values():
-            fields['present'] = np.ones((end, struts), dtype=bool)
         dt = loop.plant.dt
         scenario = loop.scenarios[trial]
+        for group, fields in groups.items():
+            fields['present'] = np.ones((end, struts), dtype=bool)
+            if group in SPOKEN:
+                _silence(fields, scenario.failures, dt)
         return Recording(
             struts=tuple(f'strut_{i + 1}' for i in range(struts)),
             sample_period=dt,
@@ -111,3 +116,17 @@ class LoopRecorder:
             seed=scenario.seed,
             source=f'simulation of {scenario.name}',
         )
+
+
+def _silence(fields: Group, failures: Sequence[Failure], dt: float) -> None:
+    """Leave out what a controller would have said after it was killed."""
+    for failure in failures:
+        if failure.kind != CONTROLLER:
+            continue
+        struts = slice(None) if failure.strut == 0 else slice(failure.strut - 1, failure.strut)
+        for name, values in fields.items():
+            late = values[failure.sample(dt) :, struts]
+            if name == 'present':
+                late[...] = False
+            elif values.dtype.kind == 'f':
+                late[...] = np.nan

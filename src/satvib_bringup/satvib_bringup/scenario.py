@@ -20,6 +20,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import Schema, load_yaml, param
 from satvib_plant_sim.any_rig import AnyRig, load_any_rig, strut_count
+from satvib_plant_sim.failures import Failure, check_failures
 
 from satvib_bringup.centralized import centralized_parameters, take_gains
 from satvib_bringup.overrides import apply_overrides
@@ -86,6 +87,7 @@ class Scenario(Schema):
     duration: float = param(description='length of the experiment', unit='s', above=0.0)
     phases: tuple[PhaseStep, ...] = param(description='phases in order, the first at 0 s')
     disturbance: dict[str, Any] = param(dict, 'what shakes the lower plate; empty: nothing')
+    failures: tuple[Failure, ...] = param((), 'what goes wrong, and when')
     identifier: dict[str, Any] = param(dict, 'parameters of the strut identifiers')
     controller: dict[str, Any] = param(dict, 'parameters of the strut controllers')
     scheme: str = param(
@@ -233,6 +235,7 @@ def check_scenario(scenario: Scenario, where: str) -> None:
         rate = rig.acquisition.sample_rate
         scenario.plan(rate)
         scenario.make_disturbance()
+        check_failures(scenario.failures, rig, scenario.duration)
         scenario.identifier_parameters(rate)
         scenario.controller_parameters(rate)
         reference = len(scenario.analysis.reference)

@@ -131,6 +131,10 @@ class Supervisor:
                 found.append(Exit(child.name, code, last_line(child.log)))
         return sorted(found, key=lambda ending: ending.code)
 
+    def kill(self, name: str) -> None:
+        """Kill a process, as the scenario wants it; it is reported by `ended` like any other."""
+        _signal(self._children[name], signal.SIGKILL)
+
     def stop(self, names: Iterable[str], patience: float) -> list[Exit]:
         """Ask processes to end and wait; after `patience` s they are killed.
 

@@ -8,8 +8,10 @@ from typing import Any
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param, parse_yaml
 
-from satvib_plant_sim.any_rig import AnyRig, load_any_rig
+from satvib_plant_sim.any_rig import AnyPlant, AnyRig, load_any_rig
 from satvib_plant_sim.disturbance import Disturbance, make_disturbance
+from satvib_plant_sim.failing_plant import FailingPlant, make_failing_plant
+from satvib_plant_sim.failures import Failure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,6 +26,11 @@ class PlantParameters(Schema):
         'kind: none', "the disturbance as YAML, as in '{kind: sine, amplitude: 1, frequency: 10}'",
         read_only=True,
     )  # fmt: skip
+    failures: str = param(
+        '[]',
+        "what goes wrong as YAML, as in '[{kind: sensor_lost, strut: 1, time: 5}]'",
+        read_only=True,
+    )
     seed: int = param(1, 'seed of noise, bias and random disturbances', minimum=0, read_only=True)
     lockstep: bool = param(
         True, 'wait for every voltage of a sample before the next; false: real time', read_only=True
@@ -45,6 +52,7 @@ class PlantParameters(Schema):
         """Refuse overrides without a key and a disturbance that is not one."""
         self.override_mapping()
         self.make_disturbance()
+        self.make_failures()
 
     def override_mapping(self) -> dict[str, Any]:
         """Give the overrides as `load_rig` takes them; an empty string is nothing."""
@@ -65,3 +73,16 @@ class PlantParameters(Schema):
     def make_disturbance(self) -> Disturbance:
         """Build the disturbance."""
         return make_disturbance(parse_yaml(self.disturbance, 'disturbance'))
+
+    def make_failures(self) -> tuple[Failure, ...]:
+        """Give what goes wrong."""
+        data = parse_yaml(self.failures, 'failures') or []
+        if not isinstance(data, list):
+            raise SatvibError(f'failures: a list is expected, not {self.failures!r}')
+        return tuple(Failure.from_mapping(d, f'failures[{i}]') for i, d in enumerate(data))
+
+    def make_plant(self) -> AnyPlant | FailingPlant:
+        """Build the plant with what goes wrong in it."""
+        return make_failing_plant(
+            self.load_rig(), self.make_disturbance(), self.seed, self.make_failures()
+        )

@@ -7,7 +7,7 @@ sample = plant.sample()              # .sequence, .upper, .lower
 truth = plant.advance(voltage)       # noise-free, between this sample and the next
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -37,6 +37,10 @@ Array = NDArray[np.float64]
 
 __all__ = ['Plant', 'Sample', 'Truth']
 
+CONSTANTS = (
+    'step', 'push', 'chain', 'hold', 'force', 'strut', 'inertia', 'point', 'shaker', 'stop', 'theta',
+)  # fmt: skip
+
 
 class Plant:
     """Simulated rigs, sample by sample.
@@ -63,6 +67,8 @@ class Plant:
         first = rigs[0]
         designs = [discretize(r) for r in rigs]
         agree(rigs)
+        self._disturbances, self._seeds = list(disturbances), seeds
+        self._first_rigs = self.rigs
         self.struts = first.struts.count
         self.dt = first.acquisition.period
         self.n_fine = first.acquisition.fine_steps
@@ -70,29 +76,8 @@ class Plant:
         self.sequence = 0
 
         trials, n = len(rigs), self.struts
-        self._mixer = Mixer(
-            disturbances,
-            seeds,
-            [partial(source_transfer, r) for r in rigs],
-            self.fine_period,
-            self.n_fine,
-        )
-        self._constants = [
-            _stack(designs, name)
-            for name in (
-                'step',
-                'push',
-                'chain',
-                'hold',
-                'force',
-                'strut',
-                'inertia',
-                'point',
-                'shaker',
-                'stop',
-                'theta',
-            )
-        ]
+        self._mixer = self._mix(rigs)
+        self._constants = [_stack(designs, name) for name in CONSTANTS]
         self._linear = np.array([float(r.acquisition.hold == 'linear') for r in rigs])
         delays = np.array([d.delay for d in designs])
         self._periods_late = delays[:, 0]
@@ -113,6 +98,33 @@ class Plant:
         start = np.stack([m[2] for m in models])
         advance_noise(np.zeros_like(start), start, self._normals(0), self._noise)
         self.terminal_voltage = np.zeros((*self.shape, n))
+
+    def _mix(self, rigs: Sequence[Rig]) -> Mixer:
+        """Put the disturbances together; amplitudes are at the lower plates of these rigs."""
+        transfers = [partial(source_transfer, r) for r in rigs]
+        return Mixer(self._disturbances, self._seeds, transfers, self.fine_period, self.n_fine)
+
+    def change(self, rigs: Mapping[int, Rig], disturbances: Mapping[int, Disturbance]) -> None:
+        """Change trials from the present sample on; what moves keeps its motion.
+
+        Args:
+            rigs: by trial; they differ from the present ones in payload, struts and coil only. The source shakes on as
+                before, also where its amplitude was that of the lower plate.
+            disturbances: by trial, with times from the beginning of the run; amplitudes at the lower plate of the rig
+                as the run began.
+        """
+        present = list(self.rigs)
+        for trial, rig in rigs.items():
+            design = discretize(rig)
+            for constants, name in zip(self._constants, CONSTANTS, strict=True):
+                constants[trial] = getattr(design, name)
+            self._output[trial] = output_settings(rig)
+            present[trial] = rig
+        self.rigs = tuple(present)
+        if disturbances:
+            for trial, disturbance in disturbances.items():
+                self._disturbances[trial] = disturbance
+            self._mixer = self._mix(self._first_rigs)
 
     def displace(self, stroke: ArrayLike) -> None:
         """Hold the payload at rest with strokes (*shape, struts), m, from which the next `advance` lets it go."""

@@ -7,6 +7,7 @@ from typing import Any
 from satvib_common.ros.convert import doubles, set_stamp
 
 from satvib_plant_sim.any_rig import AnyPlant
+from satvib_plant_sim.failing_plant import FailingPlant
 from satvib_plant_sim.plant import Sample, Truth
 
 
@@ -22,7 +23,7 @@ class StrutMessages:
     """
 
     def __init__(
-        self, index: int, name: str, acceleration: Any, truth: Any, plant: AnyPlant
+        self, index: int, name: str, acceleration: Any, truth: Any, plant: AnyPlant | FailingPlant
     ) -> None:
         self.index, self.name = index, name
         self.acceleration, self.truth = acceleration, truth

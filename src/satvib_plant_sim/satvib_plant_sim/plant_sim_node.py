@@ -23,7 +23,6 @@ from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
 
 from satvib_msgs.msg import Schedule, StrutAcceleration, StrutTruth, VcaVoltage
-from satvib_plant_sim.any_rig import make_plant
 from satvib_plant_sim.commands import Commands
 from satvib_plant_sim.lockstep import Answers
 from satvib_plant_sim.parameters import PlantParameters
@@ -42,7 +41,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
     def make(self) -> None:
         """Build the plant and a set of publishers per strut."""
         p = self.parameters
-        self.plant = plant = make_plant(p.load_rig(), p.make_disturbance(), p.seed)
+        self.plant = plant = p.make_plant()
         self.names = [f'strut_{i + 1}' for i in range(plant.struts)]
         self.messages = [
             StrutMessages(i, name, StrutAcceleration(), StrutTruth(), plant)
