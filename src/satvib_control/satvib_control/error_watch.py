@@ -23,9 +23,9 @@ of the watch time, for what grows grows quickly); or when more than a third of t
 which is how a loop through a contaminated reference shows itself (x grows with y there). At an alarm the voltage fades
 out within a tenth of the watch time, the weights are forgotten, the pace of adaptation drops to a quarter, and the law
 listens anew, after a watch time in which the strut rings down: what rings is no measure of what passes. A law that has
-failed is believed less: after n alarms R^(1 / (n + 1)) is enough for the next. The third alarm ends the matter: 0 V
-until a new model or a reset. Ten watch times in which the residual is a decibel below r_0 <x^2>, which no wrong path
-ever brings about, forgive one.
+failed is believed less: after n alarms R^(1 / (n + 1)) over r_0 itself is enough for the next, and so are four watch
+times, on balance, in which the residual is not a decibel below r_0 <x^2>. The third alarm ends the matter: 0 V until a
+new model or a reset. Ten watch times in which it is, which no wrong path ever brings about, forgive one.
 """
 
 from satvib_common.kernel import kernel
@@ -34,8 +34,10 @@ LEARN, LISTEN, FADE, GIVEN_UP, RESTART = range(5)
 ALARMS = 3
 TRANSMISSION = 30.0
 # places in the memory
-ERROR, PASSIVE, REFERENCE, EFFECT, RAIL, BASE, HEARD, PACE, SHARE, COUNT, CLOCK, QUICK = range(12)
-SIZE = 12
+ERROR, PASSIVE, REFERENCE, EFFECT, RAIL, BASE, HEARD, PACE, SHARE, COUNT, CLOCK, QUICK, USELESS = (
+    range(13)
+)
+SIZE = 13
 
 
 @kernel(
@@ -54,7 +56,7 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
         valid: () bool; all of it was measured, and nothing but the law and the disturbance acts.
         acting: () bool; the law's voltage is let through in this phase.
         settings: (3) samples of the watch time, R, floor of the reference (m/s^2, RMS).
-        memory: (12) changed; the pace begins with 1, the rest with 0.
+        memory: (13) changed; the pace begins with 1, the rest with 0.
         verdict: () out: LEARN, LISTEN (learn, no voltage), FADE, RESTART (forget the weights) or GIVEN_UP.
         loud: () out: the reference is worth learning from.
     """
@@ -66,7 +68,19 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
         verdict[0] = FADE
         if memory[CLOCK] >= 0.0:
             verdict[0] = RESTART
-            for i in (ERROR, PASSIVE, REFERENCE, EFFECT, RAIL, BASE, HEARD, SHARE, CLOCK, QUICK):
+            for i in (
+                ERROR,
+                PASSIVE,
+                REFERENCE,
+                EFFECT,
+                RAIL,
+                BASE,
+                HEARD,
+                SHARE,
+                CLOCK,
+                QUICK,
+                USELESS,
+            ):
                 memory[i] = 0.0
             memory[HEARD] = -window  # rings down
         return
@@ -111,15 +125,21 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
     memory[SHARE] = min(memory[SHARE] + 1.0 / max(0.5 * window, 1.0), 1.0)
     if not valid:
         return
-    memory[CLOCK] += 1.0 if memory[ERROR] < 0.8 * memory[BASE] * memory[REFERENCE] else 0.0
+    good = memory[ERROR] < 0.8 * memory[BASE] * memory[REFERENCE]
+    memory[CLOCK] += 1.0 if good else 0.0
+    if memory[REFERENCE] > floor * floor:
+        memory[USELESS] = max(memory[USELESS] + (-1.0 if good else 1.0), 0.0)
     if memory[CLOCK] >= 10.0 * window:
         memory[CLOCK] = 0.0
         memory[COUNT] = max(memory[COUNT] - 1.0, 0.0)
         memory[PACE] = min(4.0 * memory[PACE], 1.0)
     growth = ratio ** (2.0 / (memory[COUNT] + 1.0))
-    grown = memory[QUICK] > growth * max(memory[BASE], 1.0) * memory[REFERENCE]
+    passive = max(memory[BASE], 1.0) if memory[COUNT] == 0.0 else memory[BASE]
+    grown = memory[QUICK] > growth * passive * memory[REFERENCE]
     cause = 4.0 * memory[EFFECT] > memory[QUICK]
-    if (grown and cause and memory[REFERENCE] > floor * floor) or memory[RAIL] > 1.0 / 3.0:
+    useless = memory[COUNT] > 0.0 and memory[USELESS] > 4.0 * window
+    harm = (grown and cause) or useless
+    if (harm and memory[REFERENCE] > floor * floor) or memory[RAIL] > 1.0 / 3.0:
         memory[COUNT] += 1.0
         memory[PACE] *= 0.25
         memory[CLOCK] = -max(0.1 * window, 1.0)

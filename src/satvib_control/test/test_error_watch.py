@@ -95,7 +95,8 @@ def test_an_alarm_fades_out_forgets_and_listens_anew():
 def test_a_third_alarm_ends_it_and_peace_forgives():
     """The error grows with the voltage and goes with it.
 
-    Truth: three alarms give up for good; 500 samples of success after one bring the count and the pace back.
+    Truth: three alarms give up for good; 500 samples of success after one bring the count and the pace back; 200
+    samples (four watch times) without any are the next alarm.
     """
     memory = heard()
     for _ in range(2000):
@@ -108,8 +109,11 @@ def test_a_third_alarm_ends_it_and_peace_forgives():
     forgiven = heard()
     while judge(forgiven, 4.0, 1.0, effect=3.0)[0] != RESTART:
         pass
-    judge(forgiven, 1.0, 1.0, count=50 + 2000)
+    judge(forgiven, 1.0, 1.0, count=50 + 50 + 100)
     assert forgiven[COUNT] == 1.0  # peace is not enough, it must do some good
+    useless = forgiven.copy()
+    judge(useless, 1.0, 1.0, count=110)
+    assert useless[COUNT] == 2.0
     judge(forgiven, 0.5, 1.0, count=50 + 520)
     assert forgiven[COUNT] == 0.0
     assert forgiven[PACE] == 1.0
