@@ -8,6 +8,8 @@ Every step leaves a stamp of what it was made from and is skipped while that is 
 * none: the pinned ROS 2 wheels make the virtual environment itself the ROS prefix.
 """
 
+import contextlib
+import fcntl
 import hashlib
 import os
 import re
@@ -17,7 +19,7 @@ import subprocess
 import sys
 import sysconfig
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -29,6 +31,12 @@ SUPPORTED = ((3, 11), (3, 13))
 BUILD_FILES = ('package.xml', 'setup.py', 'setup.cfg', 'CMakeLists.txt')
 BUILD_SUFFIXES = ('.msg', '.srv', '.action', '.yaml', '.xml', '.launch.py')
 
+# what the prefix of the wheels sets besides paths
+OURS = (
+    '_ROS_WHEELS_BOOTSTRAP_COMPLETE', 'ROS_DISTRO', 'ROS_VERSION', 'ROS_PYTHON_VERSION',
+    'RMW_IMPLEMENTATION', 'ROS_AUTOMATIC_DISCOVERY_RANGE',
+)  # fmt: skip
+
 
 class SetupError(Exception):
     """What is missing and how to get it, in one line."""
@@ -37,12 +45,13 @@ class SetupError(Exception):
 def main() -> int:
     """Bring the workspace up to date; say nothing when it is."""
     try:
-        own_ros = sourced_ros()
-        check_machine(own_ros)
-        make_environment(own_ros)
-        make_prefix(own_ros)
-        build()
-        warm_kernels()
+        with alone():
+            own_ros = sourced_ros()
+            check_machine(own_ros)
+            make_environment(own_ros)
+            make_prefix(own_ros)
+            build(own_ros)
+            warm_kernels()
     except SetupError as error:
         print(f'satvib: {error}', file=sys.stderr)
         return 2
@@ -50,6 +59,19 @@ def main() -> int:
         print('satvib: set-up interrupted; run the command again to go on', file=sys.stderr)
         return 130
     return 0
+
+
+@contextlib.contextmanager
+def alone() -> Iterator[None]:
+    """Let one set-up at a time work on the workspace; a second terminal waits for the first."""
+    CACHE.mkdir(exist_ok=True)
+    with (CACHE / 'lock').open('w') as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            say('another set-up is at work here; waiting for it')
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def say(text: str) -> None:
@@ -145,12 +167,12 @@ def make_environment(own_ros: bool) -> None:
     """Create .venv and install the locked requirements."""
     names = ['overlay.lock'] if own_ros else ['ros.lock', 'satvib.lock']
     locks = [ROOT / 'requirements' / name for name in names]
-    wanted = digest(locks, sys.version, str(VENV))
     stamp = VENV / 'satvib-requirements'
+    interpreter = VENV / 'bin' / 'python'
+    wanted = digest(locks, sys.version, str(VENV))
     if is_current(stamp, wanted):
         return
     started = time.monotonic()
-    interpreter = VENV / 'bin' / 'python'
     if not interpreter.exists() or not is_same_python(interpreter):
         say(f'making the virtual environment {VENV.name}')
         arguments = ['--clear', '--system-site-packages'] if own_ros else ['--clear']
@@ -251,7 +273,7 @@ def build_inputs() -> list[Path]:
     return found
 
 
-def build() -> None:
+def build(own_ros: bool) -> None:
     """Build the workspace when something that colcon installs has changed."""
     requirements = (VENV / 'satvib-requirements').read_text()
     wanted = digest(build_inputs(), requirements, str(ROOT))
@@ -261,8 +283,6 @@ def build() -> None:
     started = time.monotonic()
     say('building the workspace')
     stamp.unlink(missing_ok=True)
-    # of the cleaned environment: a caller that has sourced this very workspace has no other ROS
-    own_ros = 'ROS_DISTRO' in clean_environment()
     underlay = '' if own_ros else f'. {shlex.quote(str(VENV / "setup.bash"))} && '
     activate = f'export PATH={shlex.quote(str(VENV / "bin"))}:"$PATH" && '
     python = VENV / 'bin' / 'python'
@@ -288,10 +308,8 @@ def clean_environment() -> dict[str, str]:
         env.pop(key, None)
         if parts:
             env[key] = ':'.join(parts)
-    if (
-        '_ROS_WHEELS_BOOTSTRAP_COMPLETE' in env
-    ):  # our own prefix, sourced by the caller: build afresh
-        for key in ('ROS_DISTRO', 'ROS_VERSION', 'ROS_PYTHON_VERSION', 'AMENT_PREFIX_PATH'):
+    if OURS[0] in env:  # our own prefix, sourced by the caller: build afresh
+        for key in OURS:
             env.pop(key, None)
     return env
 
