@@ -55,6 +55,9 @@ def main() -> int:
     except SetupError as error:
         print(f'satvib: {error}', file=sys.stderr)
         return 2
+    except OSError as error:
+        print(f'satvib: {error.filename or ROOT}: {error.strerror}', file=sys.stderr)
+        return 2
     except KeyboardInterrupt:
         print('satvib: set-up interrupted; run the command again to go on', file=sys.stderr)
         return 130
