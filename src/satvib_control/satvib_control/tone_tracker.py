@@ -15,8 +15,9 @@ Prediction, 1969) with a memory of N samples,
     psi = -2 e Im x^- / |x|^2,    w += r + (1 - b^2) psi / n,    r += 1.5 (1 - b)^2 psi / n,    b = 1 - 1 / N,
 
 r being the rate, so that a chirp leaves no lag. While N grows and |r| is less than five times what noise alone makes
-of it, r is forgotten within N / 4 samples, and a steady tone is tracked as by a filter of the order zero. With r at
-rest var w = 4 s^2 / (A^2 N^2 n), s^2 being the local noise (see `tone_search`) and A the amplitude.
+of it, r is forgotten within N / 4 samples, and a steady tone is tracked as by a filter of the order zero; so it is
+while a fast tone (n below the wanted pace) has not got hold of the phase (q above 0.3 |x|), for a jump is no rate.
+With r at rest var w = 4 s^2 / (A^2 N^2 n), s^2 being the local noise (see `tone_search`) and A the amplitude.
 
 Variable forgetting. q, the quadrature of e in the frame of x over 2 n samples, has the variance s^2 / (6 n) as long
 as the tone is what the tracker thinks. While q^2 is more than 24 times that, N falls, at a rate that grows with the
@@ -49,6 +50,7 @@ COMMON = 19
 ALARM = 24.0
 GROWTH = 0.4
 TREND = 1.5  # gain of the rate times N^2
+LOCK = 0.09  # (q / |x|)^2 up to which the phase counts as held
 APART = 1.5  # shortest pace times the distance to the nearest tone, rad
 SHORTEST = 3.0  # half periods of a tone in its shortest pace
 
@@ -109,7 +111,10 @@ def correct(tones, settings, common, floor, step, e):  # type: ignore[no-untyped
         psi = min(max(quadrature / amplitude, -1.0), 1.0) / n
         forget = 1.0 / max(t[MEMORY], 6.0 * n)
         t[OMEGA] += t[RATE] + (2.0 * forget - forget * forget) * psi
-        t[RATE] += TREND * forget * forget * psi
+        if n < settings[WANTED] and t[QUADRATURE] * t[QUADRATURE] > LOCK * power:
+            t[RATE] *= 1.0 - 4.0 * forget
+        else:
+            t[RATE] += TREND * forget * forget * psi
         excess = 6.0 * n * t[QUADRATURE] * t[QUADRATURE] / (ALARM * noise) - 1.0
         known = 33.0 * math.sqrt(noise * forget / power) * forget * forget
         if excess <= 0.0 and abs(t[RATE]) < known:
