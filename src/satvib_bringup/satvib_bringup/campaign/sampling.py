@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from satvib_bringup.campaign.settings import Campaign
 
@@ -26,6 +25,8 @@ _EDGE = 2.0**-40
 
 def unit_points(campaign: Campaign) -> NDArray[np.float64]:
     """Give the points (trials, parameters), inside (0, 1)."""
+    from scipy.stats import qmc  # slow to import, and what is wrong with a file should show at once
+
     rng = np.random.default_rng([campaign.seed, STREAM])
     dimensions = len(campaign.parameters)
     if campaign.sampling == 'sobol':

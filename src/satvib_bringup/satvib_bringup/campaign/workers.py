@@ -128,7 +128,7 @@ def _distributed(client: Any, plan: TrialPlan, waiting: list[int]) -> Iterator[t
         )  # fmt: skip
         futures[future.key] = (future, index)
     try:
-        for future in as_completed([f for f, _ in futures.values()]):
+        for future in as_completed([f for f, _ in futures.values()], loop=client.loop):
             index = futures.pop(future.key)[1]
             try:
                 data = future.result()

@@ -58,7 +58,6 @@ def campaign(
     """
     from satvib_common.errors import SatvibError
 
-    from satvib_bringup.campaign.report import write_report
     from satvib_bringup.campaign.run import begin, go_on
     from satvib_bringup.campaign.run import resume as open_again
     from satvib_bringup.campaign.settings import load_campaign
@@ -84,6 +83,8 @@ def campaign(
     except KeyboardInterrupt:
         console.print(store.kept(), soft_wrap=True)
         raise
+    from satvib_bringup.campaign.report import write_report  # figures take seconds to import
+
     summary = write_report(plan, table, store.folder)
     _show(console, summary, store.folder)
 
