@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from satvib_common.kernel import kernel
 
 
-@njit
-def _rotate(A, V):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+@njit(inline='always')
+def rotate(A, V):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Make A diagonal in place; rows of V, if it has any, turn with it."""
     p = A.shape[0]
     for _ in range(30):
@@ -52,11 +52,11 @@ def _rotate(A, V):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
                         V[j, k] = s * left + c * right
 
 
-@njit
+@njit(inline='always')
 def _jacobi(A):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Smallest and largest eigenvalue; A is used up."""
     p = A.shape[0]
-    _rotate(A, A[:0])
+    rotate(A, A[:0])
     low = A[0, 0]
     high = A[0, 0]
     for i in range(1, p):
@@ -100,89 +100,22 @@ def _information(U, d, inverse, R, low, high):  # type: ignore[no-untyped-def]  
     low[0], high[0] = _jacobi(R)
 
 
-@njit
-def _above(A, limit, slack, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Whether A - limit has a Cholesky factor, pivots above `slack`: then all eigenvalues are above the limit."""
-    p = A.shape[0]
-    for i in range(p):
-        for j in range(i, p):
-            total = A[i, j]
-            for k in range(i):
-                total -= work[k, i] * work[k, j]
-            if j == i:
-                total -= limit
-                if not total > slack:
-                    return False
-                work[i, i] = np.sqrt(total)
-            else:
-                work[i, j] = total / work[i, i]
-    return True
+@njit(inline='always')
+def is_positive(A, slack):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Whether all pivots of a symmetric matrix are above `slack`, so that it is positive definite.
 
-
-@kernel('void(f8[:,:], f8, f8[:,:], f8[:])', '(p,p),()->(p,p),()')
-def _smallest(A, enough, work, low):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    p = A.shape[0]
-    trace = 0.0
-    for i in range(p):
-        trace += A[i, i]
-    if _above(A, enough, 1e-13 * trace, work):
-        low[0] = enough
-        return
-    for i in range(p):
-        for j in range(p):
-            work[i, j] = A[i, j]
-    low[0], _ = _jacobi(work)
-
-
-@kernel('void(f8[:,:], f8, b1, f8[:,:], f8[:,:], b1[:])', '(p,p),(),()->(p,p),(p,p),()')
-def _directions(A, floor, wanted, work, V, everything):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    p = A.shape[0]
-    everything[0] = False
-    trace = 0.0
-    for i in range(p):
-        trace += A[i, i]
-        for j in range(p):
-            work[i, j] = 0.0
-            V[i, j] = 0.0
-    if not wanted:
-        return
-    limit = max(floor, 1e-12 * trace)
-    everything[0] = _above(A, limit, 1e-14 * trace, work)
-    if everything[0]:
-        return
-    for i in range(p):
-        for j in range(p):
-            work[i, j] = A[i, j]
-        V[i, i] = 1.0
-    _rotate(work, V)
-    for i in range(p):
-        if not work[i, i] > limit:
-            for j in range(p):
-                V[i, j] = 0.0
-
-
-def smallest_eigenvalue(matrix: NDArray[np.float64], enough: float = np.inf) -> NDArray[np.float64]:
-    """Smallest eigenvalue (...) of a symmetric matrix (..., p, p), or `enough` where it is proved to be larger."""
-    _, low = _smallest(matrix, min(enough, 1e300))
-    return np.asarray(low)
-
-
-def strong_directions(
-    matrix: NDArray[np.float64], floor: float, wanted: NDArray[np.bool_] | bool = True
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Eigenvectors of a symmetric matrix (..., p, p) with eigenvalues above `floor` and 1e-12 of the trace.
-
-    Args:
-        matrix: (..., p, p).
-        floor: smallest eigenvalue that counts.
-        wanted: (...) where to look at all.
-
-    Returns:
-        Eigenvectors (..., p, p), one a row, rows of zeros for the others; and whether all are above (...), in which
-        case the rows are left at zero, because they are any basis.
+    The upper triangle is looked at and used up.
     """
-    _, vectors, everything = _directions(matrix, floor, wanted)
-    return np.asarray(vectors), np.asarray(everything)
+    p = A.shape[0]
+    for k in range(p):
+        if not A[k, k] > slack:
+            return False
+        inverse = 1.0 / A[k, k]
+        for i in range(k + 1, p):
+            share = A[k, i] * inverse
+            for j in range(i, p):
+                A[i, j] -= share * A[k, j]
+    return True
 
 
 def extreme_eigenvalues(

@@ -14,13 +14,52 @@ L. Ljung and T. Soederstroem, Theory and Practice of Recursive Identification, 1
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from satvib_common.errors import SatvibError
+from satvib_common.kernel import kernel
 
-from satvib_ident import ud
 from satvib_ident.forgetting import Forgetting
 from satvib_ident.recursive_least_squares import RecursiveLeastSquares
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+
+@kernel(
+    'void(f8[:], f8, b1, f8[:], f8[:], f8[:], f8[:], b1[:])',
+    '(p),(),(),(c),(q)->(q),(),()',
+    writable=('residual',),
+)
+def _extend(w, y, active, residual, theta, extended, error, use):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Form w_x and its prediction error; an output that is not finite is not used, and breaks the residuals."""
+    p = w.shape[0]
+    known = abs(y) < np.inf
+    if not known:
+        residual[:] = 0.0
+    shown = 0.0
+    for i in range(theta.shape[0]):
+        extended[i] = w[i] if i < p else residual[i - p]
+        shown += extended[i] * theta[i]
+    error[0] = (y if known else 0.0) - shown
+    use[0] = active and known and abs(error[0]) < np.inf
+
+
+@kernel(
+    'void(f8[:], f8, f8[:], f8[:], f8[:], f8[:])',
+    '(q),(),(q),(c),(s)->()',
+    writable=('residual', 'peak'),
+)
+def _leave(extended, y, theta, residual, peak, left):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Keep the residual r(k), no larger than the signal itself has been; `peak` is that, (1)."""
+    shown = 0.0
+    for i in range(theta.shape[0]):
+        shown += extended[i] * theta[i]
+    known = abs(y) < np.inf
+    rest = y - shown if known and shown == shown else 0.0
+    # a residual beyond the signal itself tells of a wrong noise model; unclipped it would feed on itself
+    peak[0] = max(min(abs(y), 1e50) if known else 0.0, 0.999 * peak[0])
+    left[0] = min(max(rest, -peak[0]), peak[0])
+    for i in range(residual.shape[0] - 1, 0, -1):
+        residual[i] = residual[i - 1]
+    residual[0] = left[0]
 
 
 class ExtendedLeastSquares(RecursiveLeastSquares):
@@ -55,23 +94,14 @@ class ExtendedLeastSquares(RecursiveLeastSquares):
         super().__init__(count + noise, shape, forgetting, initial_covariance, theta, limit)
         self.plant = count
         self._residual = np.zeros((*shape, noise))
-        self._peak = np.zeros(shape)
+        self._peak = np.zeros((*shape, 1))
 
     def update(self, w: Array, y: Array, active: Mask | bool = True) -> Array:
         """Take one sample; `w` is that of the plant, (*shape, p)."""
-        known = np.isfinite(y)
-        if not known.all():
-            y, active = np.where(known, y, 0.0), active & known
-        extended = np.concatenate([w, self._residual], axis=-1)
-        error: Array = y - ud.dot(extended, self.theta)
-        self.correct(extended, error, active)
-        left = y - ud.dot(extended, self.theta)
-        # a residual beyond the signal itself tells of a wrong noise model; unclipped it would feed on itself
-        self._peak = np.maximum(np.minimum(np.abs(y), 1e50), 0.999 * self._peak)
-        left = np.minimum(np.maximum(left, -self._peak), self._peak)
-        self._residual[..., 1:] = self._residual[..., :-1]
-        self._residual[..., 0] = np.where(np.isfinite(left), left, 0.0)
-        return error
+        extended, error, use = _extend(w, y, active, self._residual, self.theta)
+        self.correct(extended, error, use)
+        _leave(extended, y, self.theta, self._residual, self._peak)
+        return np.asarray(error)
 
     def interrupt(self, mask: Mask | bool = True) -> None:
         """Forget the residuals where `mask` (shape) holds."""
@@ -80,5 +110,5 @@ class ExtendedLeastSquares(RecursiveLeastSquares):
     def reset(self, mask: Mask | bool = True) -> None:
         """Begin anew where `mask` (shape) holds."""
         super().reset(mask)
-        self._peak = np.where(mask, 0.0, self._peak)
+        self._peak[...] = np.where(np.asarray(mask)[..., None], 0.0, self._peak)
         self.interrupt(mask)

@@ -2,9 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """From accelerations and voltages to a model, sample by sample: the mathematics of `strut_identifier`.
 
-Each sample: find out whether it follows the last one; learn the sensor's bias in CALIBRATE; form the regressor of
-Eq. (32); update the estimate where the phase, the regressor and the input allow it; then judge whether the model may
-be believed.
+Each sample: find out whether it follows the last one; learn the sensor's bias and noise in CALIBRATE; form the
+regressor of Eq. (32); update the estimate where the phase, the regressor and the input allow it; then judge whether
+the model may be believed.
+
+Samples of noise alone say that y(k) has nothing to do with y(k-1), and a rule that forgets what is older ends up
+believing them: a drifts to 0. Two gates keep them out. One asks for a voltage within `input_hold`. The other asks for
+a regressor longer than noise alone makes it: with a deviation s of the sensor at rest |w|^2 / s^2 is chi-squared with
+n degrees of freedom, and the floor is its quantile for one sample in a million. As s comes from N samples, its upper
+limit with 99.9 % confidence counts.
 """
 
 from dataclasses import dataclass, replace
@@ -14,6 +20,7 @@ from numpy.typing import NDArray
 from satvib_common.calibration import BiasCalibration
 from satvib_common.phases import Phase
 from satvib_common.sequence import Arrival, SequenceTracker
+from scipy.special import chdtri
 
 from satvib_ident import ud
 from satvib_ident.estimators import make_estimator, make_regressor
@@ -27,6 +34,10 @@ from satvib_ident.trust import Verdict, judge
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+BY_CHANCE = 1e-6  # share of the samples of noise alone that pass the floor of the regressor
+CONFIDENCE = 0.999
+ENOUGH = 20  # samples of CALIBRATE that tell the noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +113,7 @@ class IdentifierCore:
 
     Attributes:
         counters: for diagnostics: lost samples, repeats, restarts, and per item samples that were not finite, samples
-            whose voltage was not known, updates refused.
+            whose voltage was not known or whose regressor was too short, updates refused.
     """
 
     def __init__(self, parameters: IdentifierParameters, shape: tuple[int, ...] = ()) -> None:
@@ -134,12 +145,14 @@ class IdentifierCore:
         self._residual = RecentSignal(window, shape)
         self._hold = round(parameters.input_hold * rate)
         self._not_finite = np.zeros(shape)
+        self._short = np.zeros(shape)
         self._unknown = np.zeros(shape)
         self._begin()
 
     def _begin(self) -> None:
         self._phase = Phase.STANDBY
         self._bias = np.zeros(self.shape)
+        self._know_noise()
         self._silent = np.full(self.shape, np.inf)
         self._last: Identification | None = None
         self._measured: Verdict | None = None
@@ -153,6 +166,7 @@ class IdentifierCore:
             'restarts of the source': self.tracker.restarts,
             'accelerations not finite': self._not_finite,
             'voltages not known': self._unknown,
+            'regressors below the floor': self._short,
             'updates refused': self.estimator.refused,
         }
 
@@ -186,8 +200,10 @@ class IdentifierCore:
             for recent in (self._residual, self._input, self._model_error):
                 recent.clear(~full)
         active = full & self._excited(voltage) & (phase in self._phases)
-        if self.parameters.regressor_floor > 0.0:
-            active = active & (ud.dot(w, w) >= self.parameters.regressor_floor**2)
+        if self._gated:
+            long = ud.dot(w, w) >= self._floor
+            self._short = self._short + (active & ~long)
+            active = active & long
         working = bool(active.any())
         if not (working or self.estimator.keeps_signals):
             self._last = self._report(k, np.full(self.shape, np.nan), changed=False)
@@ -217,7 +233,22 @@ class IdentifierCore:
                 self.calibration.reset()
             self.calibration.add(upper)
             self._bias = self.calibration.mean
+        elif self._phase is Phase.CALIBRATE and self.parameters.floor_from_noise:
+            self._know_noise()
         self._phase = phase
+
+    def _know_noise(self) -> None:
+        """Set the floors that follow from the sensor at rest, as far as CALIBRATE has told it."""
+        count = self.calibration.count
+        told = (count >= ENOUGH) & self.parameters.floor_from_noise
+        deviation = np.where(told, self.calibration.standard_deviation, 0.0)
+        freedom = np.maximum(count, ENOUGH) - 1.0
+        upper = deviation * np.sqrt(freedom / chdtri(freedom, CONFIDENCE))
+        floor = upper * np.sqrt(chdtri(self.parameters.poles, BY_CHANCE))
+        floor = np.maximum(floor, self.parameters.regressor_floor)
+        self.estimator.forgetting.know_noise(deviation)
+        self._floor = floor * floor
+        self._gated = bool((floor > 0.0).any())
 
     def _excited(self, voltage: Array) -> Mask:
         """Whether the input has been excited within the hold time; without it, samples tell of noise alone."""

@@ -19,14 +19,14 @@ Identification, 1989, chapter 8.
 """
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from satvib_common.kernel import kernel
 
-from satvib_ident import ud
 from satvib_ident.extended_least_squares import ExtendedLeastSquares
 from satvib_ident.forgetting import Forgetting
-from satvib_ident.polynomials import pole_modulus
-from satvib_ident.recursive_least_squares import RecursiveLeastSquares
+from satvib_ident.polynomials import inside
+from satvib_ident.recursive_least_squares import UPDATES, RecursiveLeastSquares
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -35,97 +35,161 @@ STABLE = 0.995  # an auxiliary model beyond this radius would remember its own m
 
 
 @kernel(
-    'void(f8[:], f8, f8[:], f8[:], f8[:], f8[:], f8[:], f8[:], f8[:], f8[:])',
-    '(p),(),(p),(n),(n),(n),(h)->(p),(p),()',
-    writable=('x', 'xf', 'yf', 'uf'),
+    'void(f8[:], f8, f8[:], f8[:], f8, b1, f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:],'
+    'f8[:], f8[:], f8[:], f8[:], b1[:])',
+    '(p),(),(p),(t),(),(),(c),(p),(p),(k,n),(h),(s)->(p),(p),(),(),()',
+    writable=('model', 'past', 'uf', 'age'),
 )
-def _filter(w, y, model, x, xf, yf, uf, z, wf, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Form z, w_f and y_f of one sample; move the histories x, x_f, y_f (n) and u_f (max(n, m)) on."""
-    n = x.shape[0]
-    m = w.shape[0] - n
+def _filter(w, y, latest, helper, first, helped, settings, theta, model, past, uf, age, z, wf, yf, error, use):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202  # fmt: skip
+    """Form z, w_f, y_f and the prediction error of one sample, and whether it may be used.
+
+    Args:
+        w: (p) regressor.
+        y: () output; one that is not finite breaks the signals.
+        latest: (p) estimate of the auxiliary estimator.
+        helper: its tally.
+        first: () its prediction error.
+        helped: () whether it has used the sample.
+        settings: (2) warm-up and settling, samples.
+        theta: (p) estimate.
+        model: (p) last auxiliary model that was stable, changed.
+        past: (3, n) x, x_f, y_f, changed.
+        uf: (max(n, m)) filtered input, changed.
+        age: (1) samples since the last break, changed.
+        z, wf, yf: (p), (p), () out.
+        error: () out; that of the auxiliary estimator during the warm-up.
+        use: () out.
+    """
+    n = past.shape[1]
+    p = w.shape[0]
+    known = abs(y) < np.inf
+    if not known:
+        for i in range(n):
+            past[0, i] = past[1, i] = past[2, i] = 0.0
+        for j in range(uf.shape[0]):
+            uf[j] = 0.0
+        age[0] = 0.0
+    good = inside(latest[:n], STABLE)
+    for i in range(p):
+        good = good and abs(latest[i]) < 1e50
+    if good:
+        for i in range(p):
+            model[i] = latest[i]
     u = w[n]
-    new_y = y
+    new_y = y if known else 0.0
     new_x = 0.0
     for i in range(n):
         u -= model[i] * uf[i]
-        new_y -= model[i] * yf[i]
-        new_x -= model[i] * x[i]
+        new_y -= model[i] * past[2, i]
+        new_x -= model[i] * past[0, i]
     for j in range(uf.shape[0] - 1, 0, -1):
         uf[j] = uf[j - 1]
     uf[0] = u
     for i in range(n):
-        z[i] = -xf[i]
-        wf[i] = -yf[i]
-    for j in range(m):
-        z[n + j] = uf[j]
-        wf[n + j] = uf[j]
-        new_x += model[n + j] * w[n + j]
+        z[i] = -past[1, i]
+        wf[i] = -past[2, i]
+    for i in range(n, p):
+        z[i] = uf[i - n]
+        wf[i] = uf[i - n]
+        new_x += model[i] * w[i]
     filtered = new_x
     for i in range(n):
-        filtered -= model[i] * xf[i]
+        filtered -= model[i] * past[1, i]
     if not (abs(new_x) < 1e100 and abs(filtered) < 1e100 and abs(new_y) < 1e100):
         new_x, filtered, new_y = 0.0, 0.0, 0.0
     for i in range(n - 1, 0, -1):
-        x[i] = x[i - 1]
-        xf[i] = xf[i - 1]
-        yf[i] = yf[i - 1]
-    x[0] = new_x
-    xf[0] = filtered
+        for j in range(3):
+            past[j, i] = past[j, i - 1]
+    past[0, 0] = new_x
+    past[1, 0] = filtered
+    past[2, 0] = new_y
     yf[0] = new_y
-    out[0] = new_y
-
-
-@kernel('void(f8[:,:], f8[:], f8[:], f8[:,:], f8[:], b1[:])', '(p,p),(p),(p)->(p,p),(p),()')
-def _solve(R, r, otherwise, work, theta, good):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Solve R theta = r by elimination with row pivots on equilibrated rows.
-
-    Where R is singular, or the solution a million times larger than `otherwise`, that is kept.
-    """
-    p = r.shape[0]
-    good[0] = True
-    bound = 1.0
+    shown = 0.0
+    length = 0.0
     for i in range(p):
-        bound = max(bound, abs(otherwise[i]))
+        shown += wf[i] * theta[i]
+        length += z[i] * z[i] + wf[i] * wf[i]
+    rest = new_y - shown
+    late = helper[UPDATES] >= settings[0]
+    use[0] = helped and late and age[0] >= settings[1] and abs(rest) < 1e100 and length < 1e200
+    error[0] = rest if late else first
+    age[0] += 1.0
+
+
+@njit(inline='always')
+def _eliminate(A, bound):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Solve the system (p, p + 1) by elimination with threshold pivots on equilibrated rows.
+
+    The last column becomes theta. Gives False where the system is singular or the solution is larger than `bound`.
+    """
+    p = A.shape[0]
     for i in range(p):
         largest = 0.0
         for j in range(p):
-            work[i, j] = R[i, j]
-            largest = max(largest, abs(R[i, j]))
+            largest = max(largest, abs(A[i, j]))
         if not 0.0 < largest < 1e280:
-            good[0] = False
-            largest = 1.0
-        theta[i] = r[i] / largest
-        for j in range(p):
-            work[i, j] /= largest
+            return False
+        scale = 1.0 / largest
+        for j in range(p + 1):
+            A[i, j] *= scale
     for k in range(p):
-        if not good[0]:
-            break
-        pivot = k
+        largest = 0.0
+        for i in range(k, p):
+            largest = max(largest, abs(A[i, k]))
+        if not largest > 1e-13:
+            return False
+        if abs(A[k, k]) < 0.1 * largest:  # R is nearly symmetric, so this is seldom
+            pivot = k
+            for i in range(k + 1, p):
+                if abs(A[i, k]) > abs(A[pivot, k]):
+                    pivot = i
+            for j in range(k, p + 1):
+                A[k, j], A[pivot, j] = A[pivot, j], A[k, j]
+        inverse = 1.0 / A[k, k]
+        A[k, k] = inverse
         for i in range(k + 1, p):
-            if abs(work[i, k]) > abs(work[pivot, k]):
-                pivot = i
-        if not abs(work[pivot, k]) > 1e-13:
-            good[0] = False
-            break
-        if pivot != k:
-            for j in range(p):
-                work[k, j], work[pivot, j] = work[pivot, j], work[k, j]
-            theta[k], theta[pivot] = theta[pivot], theta[k]
-        for i in range(k + 1, p):
-            factor = work[i, k] / work[k, k]
-            for j in range(k, p):
-                work[i, j] -= factor * work[k, j]
-            theta[i] -= factor * theta[k]
-    if good[0]:
-        for i in range(p - 1, -1, -1):
-            for j in range(i + 1, p):
-                theta[i] -= work[i, j] * theta[j]
-            theta[i] /= work[i, i]
-            if not abs(theta[i]) < 1e6 * bound:
-                good[0] = False
-    if not good[0]:
+            factor = A[i, k] * inverse
+            for j in range(k + 1, p + 1):
+                A[i, j] -= factor * A[k, j]
+    for i in range(p - 1, -1, -1):
+        for j in range(i + 1, p):
+            A[i, p] -= A[i, j] * A[j, p]
+        A[i, p] *= A[i, i]
+        if not abs(A[i, p]) < bound:
+            return False
+    return True
+
+
+@kernel(
+    'void(f8[:], f8[:], f8, f8, b1, f8[:], f8[:], f8[:], f8[:], f8[:,:], f8[:,:], b1[:])',
+    '(p),(p),(),(),(),(p),(t),(c),(p),(p,q),(p,q)->()',
+    writable=('theta', 'R'),
+)
+def _solve(z, wf, yf, kept, used, latest, tally, settings, theta, R, work, solved):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Add a sample to [R r] (p, p + 1) and solve R theta = r.
+
+    `latest` is the estimate until there are samples enough (`settings[0]`). Where R is singular, or the solution a
+    million times larger than the estimate before, that stays. `work` is one for all items.
+    """
+    p = theta.shape[0]
+    solved[0] = False
+    if used:
         for i in range(p):
-            theta[i] = otherwise[i]
+            for j in range(p):
+                R[i, j] = kept * R[i, j] + z[i] * wf[j]
+            R[i, p] = kept * R[i, p] + z[i] * yf
+    if tally[UPDATES] < settings[0]:
+        theta[:] = latest
+    elif used:
+        bound = 1.0
+        for i in range(p):
+            bound = max(bound, abs(theta[i]))
+            for j in range(p + 1):
+                work[i, j] = R[i, j]
+        solved[0] = _eliminate(work, 1e6 * bound)
+        if solved[0]:
+            for i in range(p):
+                theta[i] = work[i, p]
 
 
 class InstrumentalVariable(RecursiveLeastSquares):
@@ -170,52 +234,36 @@ class InstrumentalVariable(RecursiveLeastSquares):
         self.poles = poles
         self.warm_up, self.settle = warm_up or 6 * count, settle
         self.model = np.zeros((*shape, count))
-        self._R = np.zeros((*shape, count, count))
-        self._r = np.zeros((*shape, count))
-        self._x, self._xf, self._yf = np.zeros((3, *shape, poles))
+        self._R = np.zeros((*shape, count, count + 1))
+        self._work = np.zeros((count, count + 1))
+        self._past = np.zeros((*shape, 3, poles))
         self._uf = np.zeros((*shape, max(poles, coefficients)))
-        self._age = np.zeros(shape)
+        self._age = np.zeros((*shape, 1))
+        self._settings = np.array([self.warm_up, self.settle], dtype=float)
 
     def update(self, w: Array, y: Array, active: Mask | bool = True) -> Array:
         """Take one sample; the error is y_f - w_f^T theta: y minus the output of the model alone."""
-        known = np.isfinite(y)
-        if not known.all():
-            self.interrupt(~known)
-            y, active = np.where(known, y, 0.0), active & known
-        helper = self.auxiliary
+        helper, settings = self.auxiliary, self._settings
         first = helper.update(w, y, active)
         latest = helper.theta[..., : self.count]
-        stable = pole_modulus(latest[..., : self.poles]) < STABLE
-        stable = stable & (np.maximum.reduce(np.abs(latest), axis=-1) < 1e50)
-        self.model[...] = np.where(stable[..., None], latest, self.model)
-        z, wf, yf = _filter(w, y, self.model, self._x, self._xf, self._yf, self._uf)
-        late = helper.updates >= self.warm_up
-        use = helper.used & late & (self._age >= self.settle)
-        self._age = self._age + 1.0
-        error: Array = yf - ud.dot(wf, self.theta)
-        use = use & (np.abs(error) < 1e100) & (ud.dot(z, z) + ud.dot(wf, wf) < 1e200)
-        self._measure(z, np.where(use, error, 0.0), helper.kept, use)
-        self._add(z, wf, yf, helper.kept)
-        ready = (self.updates >= self.warm_up)[..., None]
-        otherwise = np.where(ready, self.theta, latest)
-        _, solved, _ = _solve(self._R, self._r, otherwise)
-        self.theta[...] = np.where(ready, solved, latest)
-        return np.where(late, error, first)
-
-    def _add(self, z: Array, wf: Array, yf: Array, kept: Array) -> None:
-        used = self.used
-        kept = np.where(used, kept, 1.0)
-        z = np.where(used[..., None], z, 0.0)
-        self._R[...] = kept[..., None, None] * self._R + z[..., :, None] * wf[..., None, :]
-        self._r[...] = kept[..., None] * self._r + z * np.where(used, yf, 0.0)[..., None]
+        z, wf, yf, error, use = _filter(
+            w, y, latest, helper.tally, first, helper.used, settings, self.theta,
+            self.model, self._past, self._uf, self._age,
+        )  # fmt: skip
+        self.learn(z, error, helper.kept, use)
+        _solve(
+            z, wf, yf, self.kept, self.used, latest, self.tally, settings,
+            self.theta, self._R, self._work,
+        )  # fmt: skip
+        return np.asarray(error)
 
     def interrupt(self, mask: Mask | bool = True) -> None:
         """Empty the filters where `mask` (shape) holds."""
-        where = np.asarray(mask)
+        where = np.asarray(mask)[..., None]
         self.auxiliary.interrupt(mask)
-        for history in (self._x, self._xf, self._yf, self._uf):
-            history[...] = np.where(where[..., None], 0.0, history)
-        self._age = np.where(where, 0.0, self._age)
+        self._past[...] = np.where(where[..., None], 0.0, self._past)
+        self._uf[...] = np.where(where, 0.0, self._uf)
+        self._age[...] = np.where(where, 0.0, self._age)
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Begin anew where `mask` (shape) holds."""
@@ -224,5 +272,4 @@ class InstrumentalVariable(RecursiveLeastSquares):
         where = np.asarray(mask)
         self.model[...] = np.where(where[..., None], 0.0, self.model)
         self._R[...] = np.where(where[..., None, None], 0.0, self._R)
-        self._r[...] = np.where(where[..., None], 0.0, self._r)
         self.interrupt(mask)

@@ -76,7 +76,7 @@ class IdentifierParameters(LoopParameters):
 
     forgetting: str = param('none', 'rule for old data', choices=FORGETTING, read_only=True)
     forgetting_factor: float = param(
-        0.98,
+        0.99,
         'lambda of exponential and directional forgetting: weight of a sample relative to the next',
         above=0.0,
         maximum=1.0,
@@ -84,7 +84,9 @@ class IdentifierParameters(LoopParameters):
     )
     regressor_floor: float = param(
         0.0, 'a sample whose regressor is shorter than this (m/s^2 and V mixed) is left out; for '
-        'directional also the RMS up to which a direction is not forgotten',
+        'directional also the RMS up to which a direction is not forgotten; 0: what noise as in '
+        'CALIBRATE exceeds once in a million samples (for a direction: twice its deviation), if '
+        'anything is forgotten',
         minimum=0.0, read_only=True,
     )  # fmt: skip
     short_window: int = param(
@@ -189,6 +191,16 @@ class IdentifierParameters(LoopParameters):
     def count(self) -> int:
         """Parameters of the model, n + m."""
         return self.poles + self.coefficients
+
+    @property
+    def floor_from_noise(self) -> bool:
+        """Whether the floor of the regressor follows from the noise in CALIBRATE."""
+        return (
+            self.regressor_floor == 0.0
+            and self.forgetting != 'none'
+            and self.bias == 'calibrate'
+            and not self.estimator.startswith('continuous')  # their regressors are filtered
+        )
 
     def check(self) -> None:
         """Check what concerns several fields."""

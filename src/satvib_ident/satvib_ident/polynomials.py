@@ -8,6 +8,7 @@ arithmetic, so the bits do not depend on the batch.
 """
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from satvib_common.kernel import kernel
 
@@ -31,51 +32,71 @@ def roots(coefficients: NDArray[np.float64]) -> NDArray[np.complex128]:
     return out
 
 
-@kernel('void(f8[:], f8[:])', '(n)->()')
-def _modulus(a, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+@njit(inline='always')
+def _within(a, radius, c):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Schur-Cohn for the circle of a radius; `c` (n) is used up."""
+    n = a.shape[0]
+    scale = 1.0
+    for i in range(n):
+        scale /= radius
+        c[i] = a[i] * scale
+    for order in range(n, 0, -1):
+        k = c[order - 1]
+        if not abs(k) < 1.0:
+            return False
+        rest = 1.0 - k * k
+        for i in range((order - 1) // 2 + (order - 1) % 2):
+            j = order - 2 - i
+            left, right = c[i], c[j]
+            c[i] = (left - k * right) / rest
+            c[j] = (right - k * left) / rest
+    return True
+
+
+@njit(inline='always')
+def modulus_of(a):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Largest modulus of the roots of one polynomial; see `pole_modulus`."""
     n = a.shape[0]
     bound = 0.0
     for i in range(n):
         if not abs(a[i]) < 1e150:
-            out[0] = np.nan
-            return
+            return np.nan
         bound += abs(a[i])
     if bound == 0.0:
-        out[0] = 0.0
-        return
+        return 0.0
     if n == 1:
-        out[0] = abs(a[0])
-        return
+        return abs(a[0])
     if n == 2:
         half = -0.5 * a[0]
         square = half * half - a[1]
-        out[0] = np.sqrt(a[1]) if square < 0.0 else abs(half) + np.sqrt(square)
-        return
+        return np.sqrt(a[1]) if square < 0.0 else abs(half) + np.sqrt(square)
     low, high = 0.0, max(1.0, bound)  # Cauchy's bound
-    c = np.empty(n)
+    work = np.empty(n)
     for _ in range(64):
         r = 0.5 * (low + high)
-        scale = 1.0
-        for i in range(n):
-            scale /= r
-            c[i] = a[i] * scale
-        inside = True
-        for order in range(n, 0, -1):
-            k = c[order - 1]
-            if not abs(k) < 1.0:
-                inside = False
-                break
-            rest = 1.0 - k * k
-            for i in range((order - 1) // 2 + (order - 1) % 2):
-                j = order - 2 - i
-                left, right = c[i], c[j]
-                c[i] = (left - k * right) / rest
-                c[j] = (right - k * left) / rest
-        if inside:
+        if _within(a, r, work):
             high = r
         else:
             low = r
-    out[0] = high
+    return high
+
+
+@njit(inline='always')
+def inside(a, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Whether all roots of one polynomial 1 + a1 z^-1 + ... lie inside a circle."""
+    n = a.shape[0]
+    for i in range(n):
+        if not abs(a[i]) < 1e150:
+            return False
+    if n == 2:  # without roots or divisions
+        square = radius * radius
+        return abs(a[1]) < square and abs(a[0]) * radius < square + a[1]
+    return _within(a, radius, np.empty(n))
+
+
+@kernel('void(f8[:], f8[:])', '(n)->()')
+def _modulus(a, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    out[0] = modulus_of(a)
 
 
 def pole_modulus(a: NDArray[np.float64]) -> NDArray[np.float64]:

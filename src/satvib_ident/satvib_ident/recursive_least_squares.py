@@ -19,13 +19,50 @@ P.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from satvib_common.errors import SatvibError
+from satvib_common.kernel import kernel
 
 from satvib_ident import ud
 from satvib_ident.eigenvalues import information_measures
 from satvib_ident.forgetting import Forgetting, NoForgetting
+from satvib_ident.ud import grown_scale, measure_one
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+UPDATES, REFUSED, RESIDUALS, WEIGHT = range(4)  # the places of a tally
+
+
+@kernel('void(f8[:], f8, b1, f8[:], f8[:], b1[:])', '(p),(),(),(p)->(),()')
+def _predict(w, y, active, theta, error, use):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Prediction error of one sample, and whether it may be used."""
+    shown = 0.0
+    for i in range(w.shape[0]):
+        shown += w[i] * theta[i]
+    error[0] = y - shown
+    use[0] = active and abs(error[0]) < np.inf  # np.isfinite(inf) would raise a flag
+
+
+@kernel(
+    'void(f8[:], f8, f8, f8, b1, f8[:], f8[:,:], f8[:], f8[:], f8[:], f8[:], b1[:])',
+    '(p),(),(),(),(),(p),(p,p),(p),(t)->(p),(),()',
+    writable=('theta', 'U', 'd', 'tally'),
+)
+def _learn(w, error, forgotten, limit, use, theta, U, d, tally, gain, kept, used):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Eqs. (25)-(27) and the tally of one sample; gives K(k), lambda, and whether the sample was used."""
+    used[0] = False
+    kept[0] = 1.0
+    if not use:
+        gain[:] = 0.0
+        return
+    alpha = measure_one(w, error, grown_scale(forgotten, limit, U, d), theta, U, d, gain)
+    if alpha < 0.0:
+        tally[REFUSED] += 1.0
+        return
+    used[0] = True
+    kept[0] = forgotten
+    tally[UPDATES] += 1.0
+    tally[RESIDUALS] = forgotten * tally[RESIDUALS] + error * error / alpha
+    tally[WEIGHT] = forgotten * tally[WEIGHT] + 1.0
 
 
 class RecursiveLeastSquares:
@@ -41,8 +78,7 @@ class RecursiveLeastSquares:
 
     Attributes:
         theta: (*shape, p).
-        updates: (shape) samples used.
-        refused: (shape) samples refused because they were not finite or too large to square.
+        tally: (*shape, 4) samples used, samples refused, S(k), N(k).
         used, kept: (shape) whether the last sample was used, and its lambda.
 
     Raises:
@@ -71,15 +107,12 @@ class RecursiveLeastSquares:
             raise SatvibError(f'initial_theta: {count} finite numbers are expected')
         self._theta0 = np.broadcast_to(theta, (count,)).copy()
         self.count, self.shape = count, shape
-        self.limit = limit if limit > 0.0 else float(self._P0.sum())
+        self.limit = np.asarray(limit if limit > 0.0 else self._P0.sum())
         self.forgetting: Forgetting = forgetting if forgetting is not None else NoForgetting()
         self.theta = np.broadcast_to(self._theta0, (*shape, count)).copy()
         self.U, self.d = ud.fresh(self._P0, shape)
         self.error_scale: Array | float = 1.0
-        self.updates = np.zeros(shape)
-        self.refused = np.zeros(shape)
-        self._residuals = np.zeros(shape)
-        self._weight = np.zeros(shape)
+        self.tally = np.zeros((*shape, 4))
         self.forgetting.bind(self)
 
     def update(self, w: Array, y: Array, active: Mask | bool = True) -> Array:
@@ -93,29 +126,30 @@ class RecursiveLeastSquares:
         Returns:
             Prediction error (shape), before the update, also where inactive.
         """
-        error: Array = y - ud.dot(w, self.theta)
-        self.correct(w, error, active)
-        return error
+        error, use = _predict(w, y, active, self.theta)
+        self.correct(w, error, use)
+        return np.asarray(error)
 
-    def correct(self, w: Array, error: Array, active: Mask | bool = True) -> Array:
-        """Update along `w` (*shape, p) for an error (shape) made elsewhere; gives alpha (shape)."""
-        use = np.isfinite(error) & active
-        error = np.where(use, error, 0.0)
+    def correct(self, w: Array, error: Array, use: Mask) -> None:
+        """Update along `w` (*shape, p) for an error (shape) made elsewhere, finite where `use` (shape) holds."""
         forgotten, error, use = self.forgetting.apply(self, w, error, use)
-        return self._measure(w, error, forgotten, use)
+        self.learn(w, error, forgotten, use)
 
-    def _measure(self, w: Array, error: Array, forgotten: Array | float, use: Mask) -> Array:
-        """Eqs. (25)-(27) and the sum of residuals; gives alpha (shape)."""
-        _, alpha = ud.measure(w, error, forgotten, self.limit, use, self.theta, self.U, self.d)
-        used = alpha > 0.0
-        self.used: Mask = used
-        self.kept: Array = np.where(used, forgotten, 1.0)
-        share = np.where(used, error * error / np.where(used, alpha, 1.0), 0.0)
-        self._residuals = self.kept * self._residuals + share
-        self._weight = self.kept * self._weight + used
-        self.updates = self.updates + used
-        self.refused = self.refused + (alpha < 0.0)
-        return np.asarray(alpha)
+    def learn(self, w: Array, error: Array, forgotten: Array, use: Mask) -> None:
+        """Eqs. (25)-(27) and the sum of residuals, after forgetting."""
+        _, self.kept, self.used = _learn(
+            w, error, forgotten, self.limit, use, self.theta, self.U, self.d, self.tally
+        )
+
+    @property
+    def updates(self) -> Array:
+        """Samples used, (shape)."""
+        return self.tally[..., UPDATES].copy()
+
+    @property
+    def refused(self) -> Array:
+        """Samples refused because they were too large to square, (shape)."""
+        return self.tally[..., REFUSED].copy()
 
     @property
     def P(self) -> Array:  # noqa: N802
@@ -125,10 +159,9 @@ class RecursiveLeastSquares:
     @property
     def noise_variance(self) -> Array:
         """Estimated variance of the prediction error, (shape); NaN until there are more samples than parameters."""
-        freedom = self._weight - self.count
-        return np.where(
-            freedom > 0.0, self._residuals / np.where(freedom > 0.0, freedom, 1.0), np.nan
-        )
+        freedom = self.tally[..., WEIGHT] - self.count
+        known = freedom > 0.0
+        return np.where(known, self.tally[..., RESIDUALS] / np.where(known, freedom, 1.0), np.nan)
 
     @property
     def covariance(self) -> Array:
@@ -144,9 +177,8 @@ class RecursiveLeastSquares:
         mask = np.asarray(mask)
         self.theta[...] = np.where(mask[..., None], self._theta0, self.theta)
         self.reset_covariance(mask)
-        self.updates = np.where(mask, 0.0, self.updates)
-        self._residuals = np.where(mask, 0.0, self._residuals)
-        self._weight = np.where(mask, 0.0, self._weight)
+        for place in (UPDATES, RESIDUALS, WEIGHT):
+            self.tally[..., place] = np.where(mask, 0.0, self.tally[..., place])
         self.forgetting.reset(mask)
 
     def reset_covariance(self, mask: Mask | bool = True) -> None:

@@ -10,7 +10,10 @@ to the numbers inside. Everything that the estimators do to P is made of these o
     weigh     w^T P^-1 w
 
 `measure` also moves the estimate, Eq. (25): theta <- theta + K e. It is the only place of the package where that is
-done; forgetting is what happens to lambda and P before it. `remove` takes a sample back with `add`.
+done; forgetting is what happens to lambda and P before it.
+
+The functions named `_one` work on one item, for the kernels of this package. They are inlined: a call that hands over
+arrays costs as much as their arithmetic.
 
 G. J. Bierman, Factorization Methods for Discrete Sequential Estimation, Academic Press, 1977, sections III.4 and V.3.
 """
@@ -25,31 +28,29 @@ SMALLEST = 1e-150
 LARGEST = 1e150
 
 
-@njit
-def _measure(w, error, scale, theta, U, d, gain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Bierman's update of P * scale; gives alpha, or -1 and changes nothing."""
+@njit(inline='always')
+def measure_one(w, error, scale, theta, U, d, gain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Bierman's update of P * scale for one item; gives alpha, or -1 and changes nothing but `gain`."""
     p = d.shape[0]
-    total = 1.0  # look before anything is changed
-    for j in range(p):
-        gain[j] = 0.0
+    for j in range(p):  # gain holds f = U^T w until its turn comes; look before anything is changed
         f = w[j]
         for i in range(j):
             f += U[i, j] * w[i]
         if not abs(f) < 1e60:
             return -1.0
-        total += f * f * (d[j] * scale)
+        gain[j] = f
     if not abs(error) < 1e100:
         return -1.0
     before = 1.0
+    inverse = 1.0
     for j in range(p):
-        f = w[j]
-        for i in range(j):
-            f += U[i, j] * w[i]
+        f = gain[j]
         old = d[j] * scale
         v = old * f
         after = before + f * v
-        d[j] = min(max(old * (before / after), SMALLEST), LARGEST)
-        ratio = -f / before
+        ratio = -f * inverse
+        inverse = 1.0 / after
+        d[j] = min(max(old * (before * inverse), SMALLEST), LARGEST)
         for i in range(j):
             entry = U[i, j]
             changed = entry + gain[i] * ratio
@@ -59,16 +60,16 @@ def _measure(w, error, scale, theta, U, d, gain):  # type: ignore[no-untyped-def
         gain[j] = v
         before = after
     for j in range(p):
-        gain[j] /= before
+        gain[j] *= inverse
         moved = theta[j] + gain[j] * error
         if abs(moved) < LARGEST:
             theta[j] = moved
     return before
 
 
-@njit
-def _add(c, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """P <- P + c v v^T; `work` holds v and is used up."""
+@njit(inline='always')
+def add_one(c, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """P <- P + c v v^T for one item; `work` holds v and is used up."""
     for j in range(d.shape[0] - 1, -1, -1):
         s = work[j]
         old = d[j]
@@ -84,8 +85,9 @@ def _add(c, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
         c *= old / new
 
 
-@njit
-def _trace(U, d):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+@njit(inline='always')
+def trace_of(U, d):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Trace of P."""
     total = 0.0
     for j in range(d.shape[0]):
         column = 1.0
@@ -93,6 +95,14 @@ def _trace(U, d):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
             column += U[i, j] * U[i, j]
         total += d[j] * column
     return total
+
+
+@njit(inline='always')
+def grown_scale(forgetting, limit, U, d):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """1 / lambda, with lambda raised where forgetting would take the trace of P beyond its limit."""
+    if forgetting < 1.0:
+        return 1.0 / max(forgetting, min(1.0, trace_of(U, d) / limit))
+    return 1.0
 
 
 @kernel(
@@ -121,40 +131,16 @@ def measure(w, error, forgetting, limit, active, theta, U, d, gain, alpha):  # t
         for j in range(d.shape[0]):
             gain[j] = 0.0
         return
-    scale = 1.0
-    if forgetting < 1.0:
-        scale = 1.0 / max(forgetting, min(1.0, _trace(U, d) / limit))
-    alpha[0] = _measure(w, error, scale, theta, U, d, gain)
+    alpha[0] = measure_one(w, error, grown_scale(forgetting, limit, U, d), theta, U, d, gain)
+    if alpha[0] < 0.0:
+        gain[:] = 0.0
 
 
-@kernel(
-    'void(f8[:,:], f8, f8, b1, f8[:,:], f8[:], f8[:,:])',
-    '(r,p),(),(),(),(p,p),(p)->(r,p)',
-    writable=('U', 'd'),
-)
-def forget_within(directions, forgetting, limit, active, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """Forget in a subspace only: P <- P + (1/lambda - 1) V (V^T P^-1 V)^-1 V^T, in place.
-
-    The directions are made orthogonal in the sense of P^-1 one after the other (modified Gram-Schmidt on U^-1 v), so
-    each adds (1/lambda - 1) v v^T / (v^T P^-1 v). Information in the subspace falls to lambda times itself; what
-    P^-1 holds orthogonal to it stays. If the directions span everything this is exponential forgetting.
-
-    Args:
-        directions: (r, p) rows v; a row of zeros is none.
-        forgetting: () lambda in (0, 1].
-        limit: () largest trace of P; nothing is forgotten beyond it.
-        active: () bool; nothing changes where it is false.
-        U: (p, p) unit upper triangular factor, changed.
-        d: (p) diagonal factor, changed.
-        work: (r, p) out, of no use.
-    """
+@njit(inline='always')
+def forget_one(directions, forgetting, limit, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Forget in a subspace only, for one item: see `forget_within`."""
     rows, p = directions.shape
-    for r in range(rows):
-        for j in range(p):
-            work[r, j] = 0.0
-    if not active or not forgetting < 1.0:
-        return
-    grown = _trace(U, d)
+    grown = trace_of(U, d)
     for r in range(rows):  # work[r] = D^-1/2 U^-1 v, made orthonormal
         for j in range(p):
             work[r, j] = directions[r, j]
@@ -191,85 +177,33 @@ def forget_within(directions, forgetting, limit, active, U, d, work):  # type: i
     if not grown < limit:
         return
     for r in range(rows):
-        _add(1.0 / forgetting - 1.0, U, d, work[r])
-
-
-@njit
-def _remove(w, y, theta, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Take a sample out of (theta, P); gives False, and changes nothing, where rounding would decide."""
-    p = d.shape[0]
-    share = 0.0
-    error = y
-    for j in range(p):
-        f = w[j]
-        for i in range(j):
-            f += U[i, j] * w[i]
-        work[j] = d[j] * f
-        share += f * work[j]
-        error -= w[j] * theta[j]
-    left = 1.0 - share
-    if not left > 1e-4:
-        return False
-    for i in range(p):  # P w = U (D U^T w)
-        total = work[i]
-        for j in range(i + 1, p):
-            total += U[i, j] * work[j]
-        work[i] = total
-        theta[i] -= total / left * error
-    _add(1.0 / left, U, d, work)
-    return True
+        add_one(1.0 / forgetting - 1.0, U, d, work[r])
 
 
 @kernel(
-    'void(f8[:], f8, b1, f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:,:], f8[:], f8[:])',
-    '(p),(),(),(p),(p),(s,q),(c),(p),(p,p),(p)->(p)',
-    writable=('ring', 'state', 'theta', 'U', 'd'),
+    'void(f8[:,:], f8, f8, b1, f8[:,:], f8[:], f8[:,:])',
+    '(r,p),(),(),(),(p,p),(p)->(r,p)',
+    writable=('U', 'd'),
 )
-def slide(w, y, active, theta0, P0, ring, state, theta, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """Make room for a sample (w, y) in a window: take the oldest out of (theta, U, d), and remember the new one.
+def forget_within(directions, forgetting, limit, active, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Forget in a subspace only: P <- P + (1/lambda - 1) V (V^T P^-1 V)^-1 V^T, in place.
 
-    Once a window, and where a removal is too close to singular, everything is built up again from the samples held,
-    so that rounding does not gather. The caller measures the new sample afterwards.
+    The directions are made orthogonal in the sense of P^-1 one after the other (modified Gram-Schmidt on U^-1 v), so
+    each adds (1/lambda - 1) v v^T / (v^T P^-1 v). Information in the subspace falls to lambda times itself; what
+    P^-1 holds orthogonal to it stays. If the directions span everything this is exponential forgetting.
 
     Args:
-        w: (p) new regressor.
-        y: () new output.
+        directions: (r, p) rows v; a row of zeros is none.
+        forgetting: () lambda in (0, 1].
+        limit: () largest trace of P; nothing is forgotten beyond it.
         active: () bool; nothing changes where it is false.
-        theta0: (p) estimate before any data.
-        P0: (p) diagonal covariance before any data.
-        ring: (s, p + 1) samples held, changed.
-        state: (2) samples held and next place, changed.
-        theta: (p), changed.
-        U: (p, p), changed.
-        d: (p), changed.
-        work: (p) out, of no use.
+        U: (p, p) unit upper triangular factor, changed.
+        d: (p) diagonal factor, changed.
+        work: (r, p) out, of no use.
     """
-    p = d.shape[0]
-    if not active:
-        return
-    size = ring.shape[0]
-    held = int(state[0])
-    place = int(state[1])
-    sound = True
-    if held == size:
-        sound = _remove(ring[place, :p], ring[place, p], theta, U, d, work)
-    if held == size and (not sound or place == 0):
-        for j in range(p):
-            theta[j] = theta0[j]
-            d[j] = P0[j]
-            for i in range(p):
-                U[i, j] = 1.0 if i == j else 0.0
-        for step in range(1, size):
-            k = (place + step) % size
-            error = ring[k, p]
-            for j in range(p):
-                error -= ring[k, j] * theta[j]
-            _measure(ring[k, :p], error, 1.0, theta, U, d, work)
-    for j in range(p):
-        ring[place, j] = w[j]
-    ring[place, p] = y
-    state[0] = min(held + 1, size)
-    state[1] = (place + 1) % size
+    work[:, :] = 0.0
+    if active and forgetting < 1.0:
+        forget_one(directions, forgetting, limit, U, d, work)
 
 
 @kernel('void(f8[:], f8[:], f8[:])', '(p),(p)->()')

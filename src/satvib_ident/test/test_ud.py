@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from satvib_ident.eigenvalues import (
     extreme_eigenvalues,
     information_measures,
-    smallest_eigenvalue,
-    strong_directions,
+    is_positive,
+    rotate,
 )
 
 from satvib_ident import ud
@@ -134,21 +134,20 @@ def test_extreme_eigenvalues_equal_lapacks():
         size = np.abs(values).max()
         np.testing.assert_allclose(low, values[:, 0], atol=1e-12 * size)
         np.testing.assert_allclose(high, values[:, -1], atol=1e-12 * size)
-        np.testing.assert_allclose(smallest_eigenvalue(A), values[:, 0], atol=1e-12 * size)
-        expected = np.minimum(values[:, 0], -0.1)
-        np.testing.assert_allclose(smallest_eigenvalue(A, -0.1), expected, atol=1e-12 * size)
 
 
-def test_strong_directions_are_eigenvectors_above_the_floor():
-    """Truth: by construction, eigenvalues 4, 1, 1e-6 along a random orthonormal basis."""
+def test_rotations_give_eigenvectors_and_pivots_tell_definiteness():
+    """Truth: by construction, eigenvalues 4, 1, 1e-6 along a random orthonormal basis (1e-9)."""
     Q = np.linalg.qr(np.random.default_rng([15]).normal(size=(3, 3)))[0]
     A = Q @ np.diag([4.0, 1.0, 1e-6]) @ Q.T
-    V, everything = strong_directions(A, 1e-3)
-    assert not everything
-    assert (np.linalg.norm(V, axis=1) > 0.5).sum() == 2
-    np.testing.assert_allclose(V.T @ V, Q[:, :2] @ Q[:, :2].T, atol=1e-9)
-    assert strong_directions(A, 1e-7)[1]
-    assert not strong_directions(A, 1e-7, False)[1]
+    D, V = A.copy(), np.eye(3)
+    rotate(D, V)
+    order = np.argsort(-np.diag(D))
+    np.testing.assert_allclose(np.diag(D)[order], [4.0, 1.0, 1e-6], atol=1e-12)
+    np.testing.assert_allclose(np.abs(V[order] @ Q), np.eye(3), atol=1e-9)
+    for shift, positive in ((0.0, True), (0.9e-6, True), (1.1e-6, False), (2.0, False)):
+        assert is_positive(A - shift * np.eye(3), 0.0) is positive
+    assert not is_positive(np.full((2, 2), np.nan), 0.0)
 
 
 def test_information_measures_do_not_depend_on_units(factors):

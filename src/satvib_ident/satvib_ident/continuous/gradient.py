@@ -20,7 +20,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.kernel import kernel
 
 from satvib_ident import ud
-from satvib_ident.recursive_least_squares import RecursiveLeastSquares
+from satvib_ident.recursive_least_squares import REFUSED, UPDATES, RecursiveLeastSquares
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -77,8 +77,8 @@ class GradientEstimator(RecursiveLeastSquares):
         # a mean over the last hundred samples or so: nothing else tells the size of the noise here
         fresh = self._squares + 0.01 * (error * error - self._squares)
         self._squares = np.where(self.used, fresh, self._squares)
-        self.updates = self.updates + self.used
-        self.refused = self.refused + (use & ~self.used)
+        self.tally[..., UPDATES] += self.used
+        self.tally[..., REFUSED] += use & ~self.used
         return error
 
     @property

@@ -94,5 +94,6 @@ class ContinuousLeastSquares(RecursiveLeastSquares):
         error: Array = y - ud.dot(w, self.theta)
         root = np.sqrt(_weight(w, self.step, self.normalization, self.U, self.d))
         self.error_scale = root
-        self.correct(w * root[..., None], error * root, active)
+        weighted = np.asarray(error * root)
+        self.correct(w * root[..., None], weighted, np.isfinite(weighted) & active)
         return error

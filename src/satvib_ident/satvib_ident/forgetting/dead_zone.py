@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
 
-from satvib_ident.forgetting.none import NoForgetting
+from satvib_ident.forgetting.none import ONE, NoForgetting
 from satvib_ident.forgetting.protocol import Factors
 
 Array = NDArray[np.float64]
@@ -34,6 +34,6 @@ class DeadZone(NoForgetting):
         w: Array,  # noqa: ARG002
         error: Array,
         active: Mask,
-    ) -> tuple[Array | float, Array, Mask]:
+    ) -> tuple[Array, Array, Mask]:
         """Leave small errors out."""
-        return 1.0, error, active & (np.abs(error) > self.zone * estimator.error_scale)
+        return ONE, error, active & (np.abs(error) > self.zone * estimator.error_scale)

@@ -7,8 +7,7 @@ The recent regressors span a subspace: the eigenvectors V of their mean square
     S(k) = mu S(k-1) + (1 - mu) w w^T
 
 with eigenvalues above epsilon^2 (the information filter: what is shorter is noise; a sample with |w| < epsilon is
-left out altogether, or noise alone would gnaw at what is known). Before each measurement, with R
-= P^-1,
+left out altogether, or noise alone would gnaw at what is known). Before each measurement, with R = P^-1,
 
     R <- R - (1 - lambda) R V (V^T R V)^-1 V^T R     that is     P <- P + (1/lambda - 1) V (V^T R V)^-1 V^T
 
@@ -26,29 +25,91 @@ from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
 from satvib_common.kernel import kernel
 
-from satvib_ident import ud
-from satvib_ident.eigenvalues import strong_directions
+from satvib_ident.eigenvalues import is_positive, rotate
 from satvib_ident.forgetting.exponential import checked_factor
 from satvib_ident.forgetting.none import NoForgetting
 from satvib_ident.forgetting.protocol import Factors
-from satvib_ident.forgetting.variable_rate import VariableRateForgetting
+from satvib_ident.forgetting.variable_rate import VariableRateForgetting, tested_factor
+from satvib_ident.ud import forget_one
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+# Along a direction in which the regressors are no longer than this many deviations of the noise they tell nothing.
+DEVIATIONS = 2.0
 
-@kernel('void(f8[:], f8, b1, f8[:,:], b1[:])', '(p),(),(),(p,p)->()', writable=('S',))
-def _remember(w, fade, active, S, taken):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """S <- fade S + (1 - fade) w w^T where active; what `measure` would refuse must not get into S either."""
+
+@kernel(
+    'void(f8[:], f8, b1, f8[:], f8, f8, f8[:], f8[:,:], f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:,:,:],'
+    'f8[:], b1[:])',
+    '(p),(),(),(c),(),(),(t),(p,p),(o),(l),(s),(p,p),(p),(k,p,p)->(),()',
+    writable=('S', 'sure', 'ring', 'state', 'U', 'd'),
+)
+def _renew(w, error, active, settings, floor, limit, test, S, sure, ring, state, U, d, work, kept, used):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202  # fmt: skip
+    """Move S on, and forget where it reaches.
+
+    Args:
+        w: (p) regressor.
+        error: () prediction error.
+        active: () bool.
+        settings: (2) lambda and mu.
+        floor: () epsilon^2.
+        limit: () largest trace of P.
+        test: settings of the F test.
+        S: (p, p), the upper triangle, changed.
+        sure: (1) what the smallest eigenvalue of S is proved to exceed, changed. It falls no faster than mu, so one
+            proof with room to spare lasts for many samples.
+        ring, state: windows of the F test, changed.
+        U: (p, p), changed.
+        d: (p), changed.
+        work: (2, p, p), of no use afterwards; one for all items (and therefore not called writable).
+        kept: () out, lambda for the measurement: 1 where S does not reach everything.
+        used: () out, whether the sample is to be used.
+    """
     p = w.shape[0]
-    taken[0] = active
+    length = 0.0
+    bounded = True
     for i in range(p):
-        if not abs(w[i]) < 1e60:
-            taken[0] = False
-    if taken[0]:
-        for i in range(p):
-            for j in range(p):
-                S[i, j] = fade * S[i, j] + (1.0 - fade) * (w[i] * w[j])
+        length += w[i] * w[i]
+        bounded = bounded and abs(w[i]) < 1e60
+    used[0] = active and length >= floor
+    kept[0] = 1.0
+    factor = min(settings[0], tested_factor(error, used[0], test, ring, state))
+    if not (used[0] and bounded):  # what `measure` would refuse must not get into S either
+        return
+    fade = settings[1]
+    A, V = work[0], work[1]
+    trace = 0.0
+    for i in range(p):
+        for j in range(i, p):
+            S[i, j] = fade * S[i, j] + (1.0 - fade) * (w[i] * w[j])
+        trace += S[i, i]
+    least = max(floor, 1e-12 * trace)
+    sure[0] *= fade
+    if not sure[0] >= least:
+        sure[0] = 0.0
+        for room in (100.0, 1.0):
+            for i in range(p):
+                for j in range(i, p):
+                    A[i, j] = S[i, j]
+                A[i, i] -= room * least
+            if is_positive(A, 1e-14 * trace):
+                sure[0] = room * least
+                break
+    if sure[0] > 0.0:
+        kept[0] = factor
+        return
+    if not factor < 1.0:
+        return
+    for i in range(p):
+        for j in range(p):
+            A[i, j] = S[i, j] if i <= j else S[j, i]
+            V[i, j] = 1.0 if i == j else 0.0
+    rotate(A, V)
+    for i in range(p):
+        if not A[i, i] > least:
+            V[i, :] = 0.0
+    forget_one(V, factor, limit, U, d, A)
 
 
 class DirectionalForgetting(NoForgetting):
@@ -56,7 +117,8 @@ class DirectionalForgetting(NoForgetting):
 
     Args:
         factor: lambda in (0, 1] while nothing changes.
-        floor: epsilon, RMS of the regressor along a direction, in its mixed units (m/s^2, V).
+        floor: epsilon, RMS of the regressor along a direction, in its mixed units (m/s^2, V); 0: twice the deviation
+            of the noise, once that is known.
         window: samples after which a regressor has mostly left S, 1 / (1 - mu).
         test: says lambda after a change; None for a constant lambda.
     """
@@ -73,34 +135,38 @@ class DirectionalForgetting(NoForgetting):
             raise SatvibError(f'regressor_floor: {floor} is negative')
         if not window >= 1.0:
             raise SatvibError(f'directional forgetting: a window of {window} samples')
-        self._floor, self._fade = floor * floor, 1.0 - 1.0 / window
-        self._test = test
+        self._given = floor > 0.0
+        self._floor = np.asarray(floor * floor)
+        self._settings = np.array([self.factor, 1.0 - 1.0 / window])
+        # with a rate of 0 the test never asks to forget
+        self._test = test if test is not None else VariableRateForgetting(1, 1, rate=0.0)
 
     def bind(self, estimator: Factors) -> None:
         """Make room for S and for the windows of the test."""
-        self._S = np.zeros((*estimator.shape, estimator.count, estimator.count))
-        if self._test is not None:
-            self._test.bind(estimator)
+        p = estimator.count
+        self._S = np.zeros((*estimator.shape, p, p))
+        self._sure = np.zeros((*estimator.shape, 1))
+        self._work = np.zeros((2, p, p))
+        self._test.bind(estimator)
+
+    def know_noise(self, deviation: Array) -> None:
+        """Take the floor from the noise (shape) unless it was given."""
+        if not self._given:
+            self._floor = (DEVIATIONS * deviation) ** 2
 
     def apply(
         self, estimator: Factors, w: Array, error: Array, active: Mask
-    ) -> tuple[Array | float, Array, Mask]:
+    ) -> tuple[Array, Array, Mask]:
         """Leave out what is shorter than the floor; forget where the recent regressors reach."""
-        if self._floor > 0.0:
-            active = active & (ud.dot(w, w) >= self._floor)
-        factor: Array | float = self.factor
-        if self._test is not None:
-            tested, _, _ = self._test.apply(estimator, w, error, active)
-            factor = np.minimum(self.factor, tested)
-        good = np.asarray(_remember(w, self._fade, active, self._S))
-        V, everything = strong_directions(self._S, self._floor, good)
-        part = good & ~everything
-        if part.any():
-            ud.forget_within(V, factor, estimator.limit, part, estimator.U, estimator.d)
-        return np.where(everything, factor, 1.0), error, active
+        kept, used = _renew(
+            w, error, active, self._settings, self._floor, estimator.limit, self._test.settings,
+            self._S, self._sure, self._test.ring, self._test.state,
+            estimator.U, estimator.d, self._work,
+        )  # fmt: skip
+        return kept, error, used
 
     def reset(self, mask: Mask) -> None:
         """Empty S and the windows of the test."""
         self._S[...] = np.where(mask[..., None, None], 0.0, self._S)
-        if self._test is not None:
-            self._test.reset(mask)
+        self._sure[...] = np.where(mask[..., None], 0.0, self._sure)
+        self._test.reset(mask)

@@ -31,6 +31,7 @@ class ExponentialForgetting(NoForgetting):
 
     def __init__(self, factor: float) -> None:
         self.factor = checked_factor(factor)
+        self._factor = np.asarray(self.factor)
 
     def apply(
         self,
@@ -38,6 +39,6 @@ class ExponentialForgetting(NoForgetting):
         w: Array,  # noqa: ARG002
         error: Array,
         active: Mask,
-    ) -> tuple[Array | float, Array, Mask]:
+    ) -> tuple[Array, Array, Mask]:
         """Forget at the fixed rate."""
-        return self.factor, error, active
+        return self._factor, error, active

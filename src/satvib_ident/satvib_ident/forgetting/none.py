@@ -10,6 +10,8 @@ from satvib_ident.forgetting.protocol import Factors
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
+ONE: Array = np.ones(())
+
 
 class NoForgetting:
     """lambda = 1. Also the base of the other rules: it has nothing to bind and nothing to reset."""
@@ -23,9 +25,12 @@ class NoForgetting:
         w: Array,  # noqa: ARG002
         error: Array,
         active: Mask,
-    ) -> tuple[Array | float, Array, Mask]:
+    ) -> tuple[Array, Array, Mask]:
         """Leave everything as it is."""
-        return 1.0, error, active
+        return ONE, error, active
+
+    def know_noise(self, deviation: Array) -> None:
+        """Nothing depends on the noise."""
 
     def reset(self, mask: Mask) -> None:
         """Nothing to forget."""

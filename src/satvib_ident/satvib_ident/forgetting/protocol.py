@@ -19,7 +19,7 @@ class Factors(Protocol):
     theta: Array
     U: Array
     d: Array
-    limit: float
+    limit: Array
     error_scale: Array | float
 
     def reset_covariance(self, mask: Mask | bool = True) -> None:
@@ -34,7 +34,7 @@ class Forgetting(Protocol):
 
     def apply(
         self, estimator: Factors, w: Array, error: Array, active: Mask
-    ) -> tuple[Array | float, Array, Mask]:
+    ) -> tuple[Array, Array, Mask]:
         """Change the factors if the rule says so, before the measurement.
 
         Args:
@@ -44,9 +44,12 @@ class Forgetting(Protocol):
             active: (shape) whether the sample is to be used.
 
         Returns:
-            lambda (shape or scalar) for the measurement, the prediction error (shape; another one if the rule has
+            lambda (shape or ()) for the measurement, the prediction error (shape; another one if the rule has
             moved the estimate), and whether the sample is still to be used (shape).
         """
+
+    def know_noise(self, deviation: Array) -> None:
+        """Take the deviation (shape) of the noise on the output; 0 where it is not known."""
 
     def reset(self, mask: Mask) -> None:
         """Forget the rule's own memory where `mask` (shape) holds."""

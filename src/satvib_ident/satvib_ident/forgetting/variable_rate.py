@@ -16,6 +16,7 @@ Control Conference 2022. There both windows end at k; here they do not overlap, 
 import math
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
 from satvib_common.kernel import kernel
@@ -28,45 +29,65 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-@kernel(
-    'void(f8, b1, f8, f8, f8[:], f8[:], f8[:])',
-    '(),(),(),(),(w),(s)->()',
-    writable=('ring', 'state'),
-)
-def _ratio(square, active, short, floor, ring, state, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Push e^2 and give F; 0 until the windows are full.
+@njit(inline='always')
+def push_square(error, n, ring, state):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Push e^2 into the windows, the recent one of n.
 
     `state`: samples held, next place, sum of the short window, sum of the long one.
     """
     size = ring.shape[0]
-    n = int(short)
     held = int(state[0])
     place = int(state[1])
-    if active:
-        middle = (place - n) % size
-        if held >= n:
-            state[2] -= ring[middle]
-            state[3] += ring[middle]
-        if held == size:
-            state[3] -= ring[place]
-        ring[place] = square
-        state[2] += square
-        held = min(held + 1, size)
-        place = (place + 1) % size
-        state[0] = held
-        state[1] = place
-        if place == 0 and held == size:  # once a round, wash out what rounding has left behind
-            state[2] = 0.0
-            state[3] = 0.0
-            for k in range(size - n):
-                state[3] += ring[k]
-            for k in range(size - n, size):
-                state[2] += ring[k]
-    out[0] = 0.0
+    square = min(abs(error), 1e100)
+    square *= square
+    middle = place - n
+    if middle < 0:
+        middle += size
+    if held >= n:
+        state[2] -= ring[middle]
+        state[3] += ring[middle]
     if held == size:
+        state[3] -= ring[place]
+    ring[place] = square
+    state[2] += square
+    held = min(held + 1, size)
+    place += 1
+    if place == size:
+        place = 0
+    state[0] = held
+    state[1] = place
+    if place == 0:  # once a round, wash out what rounding has left behind
+        state[2] = 0.0
+        state[3] = 0.0
+        for k in range(size - n):
+            state[3] += ring[k]
+        for k in range(size - n, size):
+            state[2] += ring[k]
+
+
+@njit(inline='always')
+def tested_factor(error, active, settings, ring, state):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Push an error where active, and give lambda; `settings` as in `VariableRateForgetting.settings`."""
+    size = ring.shape[0]
+    n = int(settings[0])
+    if active:
+        push_square(error, n, ring, state)
+    ratio = 0.0
+    if int(state[0]) == size:
         recent = max(state[2], 0.0) / n
         before = max(state[3], 0.0) / (size - n)
-        out[0] = recent / max(before, floor)
+        ratio = recent / max(before, settings[4])
+    excess = max(np.sqrt(ratio) - settings[1], 0.0)
+    return max(1.0 / (1.0 + settings[2] * excess), settings[3])
+
+
+@kernel(
+    'void(f8, b1, f8[:], f8[:], f8[:], f8[:])',
+    '(),(),(c),(w),(s)->()',
+    writable=('ring', 'state'),
+)
+def _factor(error, active, settings, ring, state, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    out[0] = tested_factor(error, active, settings, ring, state)
 
 
 class VariableRateForgetting(NoForgetting):
@@ -79,6 +100,10 @@ class VariableRateForgetting(NoForgetting):
         rate: eta, how fast to forget when the test says so.
         smallest: lambda_min in (0, 1].
         floor: m/s^2; errors below it count as it, so that rounding is not taken for change.
+
+    Attributes:
+        settings: what the kernels need: short, sqrt(F*), rate, smallest, floor squared.
+        ring, state: the windows, (*shape, short + long) and (*shape, 4); `directional` looks at them too.
     """
 
     def __init__(
@@ -98,12 +123,13 @@ class VariableRateForgetting(NoForgetting):
             raise SatvibError(f'variable-rate forgetting: lambda_min {smallest} is not in (0, 1]')
         self.short, self.long, self.rate, self.smallest = short, long, rate, smallest
         self.threshold = math.sqrt(float(fdtri(short, long, confidence)))
-        self._floor = floor * floor
+        self.settings = np.array([short, self.threshold, rate, smallest, floor * floor])
 
     def bind(self, estimator: Factors) -> None:
         """Make the windows."""
-        self._ring = np.zeros((*estimator.shape, self.short + self.long))
-        self._state = np.zeros((*estimator.shape, 4))
+        # items lie side by side: they are mostly at the same place of their windows
+        self.ring = np.moveaxis(np.zeros((self.short + self.long, *estimator.shape)), 0, -1)
+        self.state = np.zeros((*estimator.shape, 4))
 
     def apply(
         self,
@@ -111,13 +137,10 @@ class VariableRateForgetting(NoForgetting):
         w: Array,  # noqa: ARG002
         error: Array,
         active: Mask,
-    ) -> tuple[Array | float, Array, Mask]:
+    ) -> tuple[Array, Array, Mask]:
         """Test, and forget as far as the test says."""
-        square = np.minimum(np.abs(error), 1e100)
-        ratio = _ratio(square * square, active, self.short, self._floor, self._ring, self._state)
-        excess = np.maximum(np.sqrt(ratio) - self.threshold, 0.0)
-        return np.maximum(1.0 / (1.0 + self.rate * excess), self.smallest), error, active
+        return _factor(error, active, self.settings, self.ring, self.state), error, active
 
     def reset(self, mask: Mask) -> None:
         """Empty the windows."""
-        self._state[...] = np.where(mask[..., None], 0.0, self._state)
+        self.state[...] = np.where(mask[..., None], 0.0, self.state)

@@ -10,15 +10,118 @@ Memory: N (p + 1) numbers per item. Samples that are not used do not slide the w
 """
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
+from satvib_common.kernel import kernel
 
-from satvib_ident import ud
-from satvib_ident.forgetting.none import NoForgetting
+from satvib_ident.forgetting.none import ONE, NoForgetting
 from satvib_ident.forgetting.protocol import Factors
+from satvib_ident.ud import add_one, measure_one
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+ROUNDS = 4.0  # after which the factors are built up again
+
+
+@njit(inline='always')
+def _remove(w, y, theta, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Take a sample out of (theta, P); gives False, and changes nothing, where rounding would decide."""
+    p = d.shape[0]
+    share = 0.0
+    error = y
+    for j in range(p):
+        f = w[j]
+        for i in range(j):
+            f += U[i, j] * w[i]
+        work[j] = d[j] * f
+        share += f * work[j]
+        error -= w[j] * theta[j]
+    left = 1.0 - share
+    if not left > 1e-4:
+        return False
+    for i in range(p):  # P w = U (D U^T w)
+        total = work[i]
+        for j in range(i + 1, p):
+            total += U[i, j] * work[j]
+        work[i] = total
+        theta[i] -= total / left * error
+    add_one(1.0 / left, U, d, work)
+    return True
+
+
+@kernel(
+    'void(f8[:], f8, b1, f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:], b1[:])',
+    '(p),(),(),(p),(p),(s,q),(c),(p),(p,p),(p)->(p),(),()',
+    writable=('ring', 'state', 'theta', 'U', 'd'),
+)
+def _slide(w, error, active, theta0, P0, ring, state, theta, U, d, work, rest, used):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Make room for a sample in a window: take the oldest out of (theta, U, d), and remember the new one.
+
+    Every fourth round, and where a removal is too close to singular, everything is built up again from the samples
+    held, so that rounding does not gather. The caller measures the new sample afterwards.
+
+    Args:
+        w: (p) new regressor.
+        error: () its prediction error.
+        active: () bool; nothing changes where it is false.
+        theta0: (p) estimate before any data.
+        P0: (p) diagonal covariance before any data.
+        ring: (s, p + 1) samples held, changed.
+        state: (3) samples held, next place, and rounds since the last building up, changed.
+        theta: (p), changed.
+        U: (p, p), changed.
+        d: (p), changed.
+        work: (p) out, of no use.
+        rest: () out, the prediction error of what is left.
+        used: () out, whether the sample is to be used.
+    """
+    p = d.shape[0]
+    rest[0] = error
+    # what `measure` would refuse must not get into the window either
+    length = 0.0
+    output = error
+    for j in range(p):
+        work[j] = 0.0
+        length += w[j] * w[j]
+    used[0] = active and abs(error) < 1e100 and length < 1e200
+    if not used[0]:
+        return
+    shown = 0.0
+    for j in range(p):
+        shown += w[j] * theta[j]
+    output += shown
+    size = ring.shape[0]
+    held = int(state[0])
+    place = int(state[1])
+    sound = True
+    if held == size:
+        sound = _remove(ring[place, :p], ring[place, p], theta, U, d, work)
+    if held == size and place == 0:
+        state[2] += 1.0
+    if held == size and (not sound or state[2] >= ROUNDS):
+        state[2] = 0.0
+        for j in range(p):
+            theta[j] = theta0[j]
+            d[j] = P0[j]
+            for i in range(p):
+                U[i, j] = 1.0 if i == j else 0.0
+        for step in range(1, size):
+            k = place + step if place + step < size else place + step - size
+            old = ring[k, p]
+            for j in range(p):
+                old -= ring[k, j] * theta[j]
+            measure_one(ring[k, :p], old, 1.0, theta, U, d, work)
+    for j in range(p):
+        ring[place, j] = w[j]
+    ring[place, p] = output
+    state[0] = min(held + 1, size)
+    state[1] = place + 1 if place + 1 < size else 0
+    shown = 0.0
+    for j in range(p):
+        shown += w[j] * theta[j]
+    rest[0] = output - shown
 
 
 class FiniteWindow(NoForgetting):
@@ -33,21 +136,20 @@ class FiniteWindow(NoForgetting):
         """Make the window and remember the prior."""
         self._theta0 = estimator.theta.copy()
         self._P0 = estimator.d.copy()
-        self._ring = np.zeros((*estimator.shape, self.size, estimator.count + 1))
-        self._state = np.zeros((*estimator.shape, 2))
+        # items lie side by side: they are mostly at the same place of their windows
+        ring = np.zeros((self.size, *estimator.shape, estimator.count + 1))
+        self._ring = np.moveaxis(ring, 0, -2)
+        self._state = np.zeros((*estimator.shape, 3))
 
     def apply(
         self, estimator: Factors, w: Array, error: Array, active: Mask
-    ) -> tuple[Array | float, Array, Mask]:
+    ) -> tuple[Array, Array, Mask]:
         """Take the oldest sample out and remember the new one; the error is then that of the rest."""
-        # what `measure` would refuse must not get into the window either
-        active = active & (np.abs(error) < 1e100) & (ud.dot(w, w) < 1e200)
-        y = error + ud.dot(w, estimator.theta)
-        ud.slide(
-            w, y, active, self._theta0, self._P0,
+        _, rest, used = _slide(
+            w, error, active, self._theta0, self._P0,
             self._ring, self._state, estimator.theta, estimator.U, estimator.d,
         )  # fmt: skip
-        return 1.0, np.where(active, y - ud.dot(w, estimator.theta), error), active
+        return ONE, rest, used
 
     def reset(self, mask: Mask) -> None:
         """Empty the window."""
