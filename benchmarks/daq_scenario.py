@@ -22,9 +22,10 @@ from satvib_bringup.analysis.levels import tone_level
 from satvib_bringup.graph import Graph, Stage, graph_of
 from satvib_bringup.scenario import Scenario, load_scenario
 from satvib_bringup.schedule import schedule_message
+from satvib_common.phases import Phase
 from satvib_common.ros.qos import offered, wanted
 
-from satvib_msgs.msg import Schedule, StrutAcceleration, StrutTruth
+from satvib_msgs.msg import ControllerState, Schedule, StrutAcceleration, StrutTruth
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / 'tests' / 'daq'))
@@ -40,6 +41,7 @@ def prepare(stand: Stand, graph: Graph) -> dict[str, Any]:
     kept: dict[str, Any] = {
         'acceleration': {s: {} for s in graph.struts},
         'truth': {s: {} for s in graph.struts},
+        'reasons': {s: {} for s in graph.struts},
     }
     for strut in graph.struts:
         for topic, kind in (('acceleration', StrutAcceleration), ('truth', StrutTruth)):
@@ -50,6 +52,13 @@ def prepare(stand: Stand, graph: Graph) -> dict[str, Any]:
                 lambda m, s=store: s.__setitem__(m.sequence, m),
                 wanted(whole=True),
             )
+        reasons = kept['reasons'][strut]
+        stand.node.create_subscription(
+            ControllerState,
+            f'/{strut}/controller_state',
+            lambda m, s=reasons: s.setdefault((m.phase, m.reason), m.sequence),
+            wanted(whole=True),
+        )
     kept['schedule'] = stand.node.create_publisher(Schedule, '/schedule', offered(1))
     modules = {'strut_controller': 'satvib_control', 'strut_identifier': 'satvib_ident'}
     for process in graph.processes:
@@ -196,6 +205,12 @@ def main() -> int:
                 for key in ('states', 'figures'):
                     if key in kept:
                         print(f'  {key}: {kept[key]}')
+                for strut, reasons in kept['reasons'].items():
+                    told = [
+                        f'{k * graph.sample_period:.2f} s {Phase(phase).name}: {why or "well"}'
+                        for (phase, why), k in reasons.items()
+                    ]
+                    print(f'  {strut}: {"; ".join(told)}')
                 results[name] = attenuations(scenario, graph, kept)
                 for kind, values in results[name].items():
                     print(f'  {kind}: {", ".join(f"{v:.2f}" for v in values)} dB', flush=True)
