@@ -90,7 +90,7 @@ class Narrowband(BasicLaw):
         self._tones = np.zeros((*shape, p.narrowband_tones, tt.TONE))
         self._common = np.zeros((*shape, tt.COMMON))
         self._rings = np.zeros((*shape, 2, window))
-        self._floor = np.zeros((*shape, grid_size(low, high, window)))
+        self._floor = np.zeros((*shape, 3, grid_size(low, high, window)))
         self._show = np.zeros((*shape, nk.SHOW))
         self.reset()
         self._size(2, 1)
@@ -171,9 +171,8 @@ class Narrowband(BasicLaw):
     def reset(self, mask: Mask | bool = True) -> None:
         """Forget the tones and the noise; model and past stay."""
         pick = np.broadcast_to(np.asarray(mask), self.shape)[..., None]
-        for memory in (self._common, self._floor):
-            memory[...] = np.where(pick, 0.0, memory)
-        for memory in (self._tones, self._rings):
+        self._common[...] = np.where(pick, 0.0, self._common)
+        for memory in (self._tones, self._rings, self._floor):
             memory[...] = np.where(pick[..., None], 0.0, memory)
         for place in (tt.STRETCH, tt.SLOW):
             now = self._common[..., place]

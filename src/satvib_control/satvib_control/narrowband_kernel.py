@@ -73,7 +73,7 @@ def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-
     if not valid:
         return 0.0, False
     e = d - expected
-    correct(tones, settings, common, floor, step, e)
+    correct(tones, settings, common, floor[0], step, e)
     pointer = int(common[POINTER])
     rings[0, pointer] = e
     rings[1, pointer] = d
@@ -87,7 +87,7 @@ def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-
             tones[i, ON] = 0.0
     hop = max(window // HOPS_PER_WINDOW, 1)
     if common[SEEN] >= window and int(common[SEEN]) % hop == 0:
-        prune(tones, settings, floor, step, window)
+        prune(tones, settings, floor[0], step, window)
         search(tones, settings, common, rings[0], floor, step)
         return e, True
     return e, False
@@ -204,8 +204,8 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
 
 
 # b, a, settings, points; model's state, common, tones, rings, floor
-ITEM = 'f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:,:], f8[:,:], f8[:]'
-LAYOUT = '(m),(m),(p),(q,r),(k),(c),(t,s),(z,w),(g)'
+ITEM = 'f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:,:], f8[:,:], f8[:,:]'
+LAYOUT = '(m),(m),(p),(q,r),(k),(c),(t,s),(z,w),(f,g)'
 WRITABLE = ('state', 'c', 'tones', 'rings', 'floor', 'show')
 
 

@@ -13,6 +13,10 @@ does not. The largest P is a new tone when it is a local maximum, 25 times the f
 lower quartile of the whole band tells. The vertex of the parabola through log P gives its frequency; correlation over
 the newer half of the window its amplitude and phase. What is found leaves the window at once, and the next is sought.
 
+A weak tone below that is told by its constancy. P of Gaussian noise, however coloured, has mean P^2 = 2 (mean P)^2,
+that of a tone (mean P)^2. Over eight windows mean P^2 < 1.3 (mean P)^2 with mean P above six times the level of the
+band is a tone.
+
 Side lobes: what the subtraction leaves of a tone that began inside the window, and the error of a tracker that
 follows a jump, have side lobes. So for a window's length after a find or a jump only peaks above 1/16 of that tone
 count, and what P says of the noise counts a tenth. Within two resolutions of a tone nothing is sought for two windows
@@ -46,6 +50,9 @@ from satvib_control.tone_tracker import (
 CLEAR = 25.0
 HOPS_PER_WINDOW = 12
 AROUND = 25
+WEAK = 6.0
+STEADY = 1.3
+STEADY_WINDOWS = 8.0
 
 
 @njit
@@ -144,9 +151,20 @@ def _take(t, ring, pointer, omega):  # type: ignore[no-untyped-def]  # noqa: ANN
 
 
 @njit
+def _steady(floor, q, lowest, hops):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Whether P at a point of the grid has long been that of a weak tone: above the band, and always the same."""
+    mean = floor[1, q]
+    constant = floor[2, q] < STEADY * mean * mean
+    return hops >= STEADY_WINDOWS * HOPS_PER_WINDOW and mean > WEAK * lowest and constant
+
+
+@njit
 def search(tones, settings, common, ring, floor, step):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """Look for new tones; the last sample of `ring` is the newest error."""
-    window, count = ring.shape[0], floor.shape[0]
+    """Look for new tones; the last sample of `ring` is the newest error.
+
+    `floor` (3, g): the noise floor, and the running means of P and P^2.
+    """
+    window, count = ring.shape[0], floor.shape[1]
     pointer = int(common[POINTER])
     power = np.empty(count)
     level = np.empty(count)
@@ -167,8 +185,15 @@ def search(tones, settings, common, ring, floor, step):  # type: ignore[no-untyp
             if power[q] > top and not _near(tones, settings[LOW] + q * step, window, 1.25, 0.75):
                 top = power[q]
                 best = q
-        if best < 0 or top < CLEAR * max(lowest, floor[best]):
+        if best < 0:
             break
+        if top < CLEAR * max(lowest, floor[0, best]):
+            if not _steady(floor, best, lowest, common[HOPS]):
+                break
+            for q in range(max(best - 4, 0), min(best + 5, count)):
+                floor[0, q] = min(
+                    floor[0, q], lowest
+                )  # what was taken for noise there was the tone
         i = _free(tones, top, window)
         if i < 0:
             break
@@ -185,13 +210,16 @@ def search(tones, settings, common, ring, floor, step):  # type: ignore[no-untyp
     # tones that settle hide the noise: the spectrum says little then, and is taken with a tenth of the weight
     weight = 0.1 if common[SEEN] - common[FRESH] < window else 1.0
     common[HOPS] = min(common[HOPS] + weight, 16.0 * HOPS_PER_WINDOW)
+    recent = weight / min(common[HOPS], STEADY_WINDOWS * HOPS_PER_WINDOW)
     weight /= common[HOPS]
     _levels(power, level)
     for q in range(count):
+        floor[1, q] += (power[q] - floor[1, q]) * recent
+        floor[2, q] += (power[q] * power[q] - floor[2, q]) * recent
         value = min(power[q], 8.0 * level[q])
         if _near(tones, settings[LOW] + q * step, window, 0.0, 0.0):
-            value = max(floor[q], lowest)  # there may be another tone, which is not noise
-        floor[q] += (value - floor[q]) * weight
+            value = max(floor[0, q], lowest)  # there may be another tone, which is not noise
+        floor[0, q] += (value - floor[0, q]) * weight
 
 
 def grid_size(low: float, high: float, window: int) -> int:

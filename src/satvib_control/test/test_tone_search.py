@@ -74,6 +74,21 @@ def test_finds_tones_that_were_there_from_the_beginning(settings, frequencies):
         assert np.isnan(got[len(frequencies) :]).all()
 
 
+def test_finds_a_weak_tone_by_its_constancy(settings):
+    """Truth: the frequency put in, 1 dB below white noise, there from the beginning: 16 s to 0.2 Hz.
+
+    Its P is 13 times the noise, below the 25 times that one look asks for.
+    """
+    t = np.arange(3200) / 200.0
+    rng = np.random.default_rng(6)
+    y = rng.standard_normal((3200, 6)) + np.sqrt(2.0 * 10.0**-0.1) * np.sin(
+        2.0 * np.pi * 24.0 * t[:, None] + rng.uniform(0.0, 2.0 * np.pi, 6)
+    )
+    found = listen(settings, y).tones()[0]
+    assert np.nanmax(np.abs(found - 24.0)) < 0.2
+    assert (np.isfinite(found).sum(axis=-1) == 1).all()
+
+
 def test_noise_is_no_tone(settings):
     """Truth: there is no tone in white noise, nor in noise of a mode with 10 % damping; 20 trials of 20 s."""
     from scipy.signal import lfilter
