@@ -61,7 +61,7 @@ def long_run():
     ],
 )
 def test_killing_a_node_ends_the_run(executable, name, long_run, tmp_path):
-    """Truth: the issue's bar. Within 3 s, by name, with a bag that reads, and no process is left."""
+    """Truth: the promise of the README. Within 3 s, by name, with a bag that reads, and no process is left."""
     from satvib_bringup.bag import read_recording
     from satvib_bringup.experiment import run_experiment
 
