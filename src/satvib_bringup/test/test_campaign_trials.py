@@ -11,7 +11,8 @@ from satvib_bringup.campaign.batch import run_loop, run_part, run_scenarios
 from satvib_bringup.campaign.metrics_kernel import add_sample, fingerprint, rms_level, tone_level
 from satvib_bringup.campaign.settings import Campaign, campaign_names, load_campaign
 from satvib_bringup.campaign.trials import plan_trials
-from satvib_bringup.closed_loop import ClosedLoop, simulate
+from satvib_bringup.closed_loop import ClosedLoop, simulate, simulate_batch
+from satvib_bringup.recording import differences
 from satvib_bringup.scenario import load_scenario
 from satvib_common.errors import SatvibError
 
@@ -55,6 +56,17 @@ def test_20_random_trials_have_the_bits_of_their_single_runs():
     The fingerprint covers all bits of all voltages of all samples; no two trials share one.
     """
     check_singles(plan_of(40), 20)
+
+
+def test_samples_that_only_some_trials_use_do_not_show_in_the_others():
+    """Truth: the recording of one scenario alone; equal in every bit, with a floor that trials pass at other samples."""
+    settings = {'identifier.regressor_floor': 14.0, 'controller.excitation': 'chirp'}
+    plan = plan_of(3, set=settings, parameters={'rig.payload.mass': PARAMETERS['rig.payload.mass']})
+    scenarios = [plan.scenario(i) for i in range(3)]
+    for scenario, among in zip(scenarios, simulate_batch(scenarios, truth=False), strict=True):
+        alone = simulate(scenario)
+        del alone.groups['truth']
+        assert differences(alone, among) == []
 
 
 @pytest.mark.long

@@ -144,6 +144,7 @@ class IdentifierCore:
         )
         self._residual = RecentSignal(window, shape)
         self._hold = round(parameters.input_hold * rate)
+        self._nobody = np.zeros(shape, dtype=bool)
         self._not_finite = np.zeros(shape)
         self._short = np.zeros(shape)
         self._unknown = np.zeros(shape)
@@ -206,7 +207,7 @@ class IdentifierCore:
             active = active & long
         working = bool(active.any())
         if not (working or self.estimator.keeps_signals):
-            self._last = self._report(k, np.full(self.shape, np.nan), changed=False)
+            self._last = self._report(k, np.full(self.shape, np.nan), self._nobody)
             return self._last
         error = self.estimator.update(w, target, active)
         used = self.estimator.used
@@ -214,7 +215,7 @@ class IdentifierCore:
             self._input.push(voltage, used)
             self._model_error.push(upper - self._bias, voltage, used)
             self._residual.push(np.where(used, error, 0.0), used)
-        self._last = self._report(k, np.where(used, error, np.nan), changed=working)
+        self._last = self._report(k, np.where(used, error, np.nan), active)
         return self._last
 
     def reset(self) -> None:
@@ -256,13 +257,15 @@ class IdentifierCore:
         self._silent = np.where(loud, 0.0, self._silent + 1.0)
         return np.asarray(self._silent <= self._hold)
 
-    def _report(self, k: int, error: Array, changed: bool) -> Identification:
+    def _report(self, k: int, error: Array, active: Mask) -> Identification:
         p, estimator, last = self.parameters, self.estimator, self._last
-        if last is not None and not changed:
+        if last is not None and not active.any():
             return replace(last, sequence=k, prediction_error=error, bias=self._bias)
         theta, covariance = self.regressor.model(estimator.theta, estimator.covariance)
         if self._measured is None or k % self._period == self._period - 1:
-            self._measured = self._measure(theta, covariance)
+            fresh, known = self._measure(theta, covariance), self._measured
+            # an item that did not use this sample keeps what it had: its neighbours are none of its business
+            self._measured = fresh if known is None else known.renewed(fresh, active)
         v = self._measured
         diagonal = np.diagonal(covariance, axis1=-2, axis2=-1)
         return Identification(

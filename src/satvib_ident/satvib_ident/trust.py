@@ -15,7 +15,7 @@ The checks, in the order in which they are named:
 8. the residual is white (Q / h below `trust_whiteness`), if asked for.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,14 @@ class Verdict:
     def converged(self) -> Mask:
         """The model may be believed, (shape)."""
         return self.failed == 0
+
+    def renewed(self, fresh: 'Verdict', mask: Mask) -> 'Verdict':
+        """Give the items of `fresh` where `mask` (shape) holds, and of this verdict elsewhere."""
+        if mask.all():
+            return fresh
+        names = (f.name for f in fields(self) if f.name != 'parameters')
+        merged = {n: np.where(mask, getattr(fresh, n), getattr(self, n)) for n in names}
+        return replace(fresh, **merged)
 
     def reason(self, index: tuple[int, ...] = ()) -> str:
         """Why the model of one item may not be believed; '' when it may."""
