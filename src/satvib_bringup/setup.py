@@ -13,6 +13,7 @@ setup(
             'scenarios/*.yaml',
             'studies/*.yaml',
             'campaigns/*.yaml',
+            'comparison/*.yaml',
             'report/*.html',
             'report/*.css',
             'campaign/*.html',

@@ -12,6 +12,7 @@ from satvib_common.errors import RunError, SatvibError
 
 from satvib_bringup.commands import (
     campaign,
+    compare,
     identify,
     listing,
     report,
@@ -39,6 +40,7 @@ app.command('study')(study.study)
 app.command('table')(table.table)
 app.command('campaign')(campaign.campaign)
 app.command('tune')(tune.tune)
+app.command('compare')(compare.compare)
 app.command('scenarios')(listing.scenarios)
 app.command('rigs')(listing.rigs)
 

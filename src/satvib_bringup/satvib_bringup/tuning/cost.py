@@ -7,7 +7,8 @@ values on the rig as it is at 0 V, v the largest RMS of a voltage over its limit
 
     J = r + tilt t + effort v^2 + penalty max(1 - m / margin, 0)^2
 
-1000 more where the loop is not stable. The cost of the gains is the mean of J over the plants and of its largest, half
+Where the loop is not stable, J = 1000 (1 + s), s the mean of the gains' magnitudes as shares of the box: it falls
+towards no gains, where every loop is stable, so that a search that begins among unstable ones finds its way. The cost of the gains is the mean of J over the plants and of its largest, half
 each: good in general, and nowhere bad. `loop_cost` has the equations of r, t, v and m.
 """
 
@@ -119,7 +120,9 @@ class TuningCost:
         short = np.maximum(1.0 - f[..., MARGIN] / p.margin, 0.0)
         J = self.level(f) / self.level(self.quiet) + p.tilt * tilt
         J = J + p.effort * (f[..., VOLTS] / p.voltage_limit) ** 2 + p.penalty * short**2
-        return np.asarray(np.where(self.stable(f), J, UNSTABLE + np.minimum(J, UNSTABLE)))
+        share = np.abs(np.asarray(gains, dtype=float)) / np.maximum(np.abs(self.lower), self.upper)
+        astray = UNSTABLE * (1.0 + np.mean(share, axis=-1))
+        return np.asarray(np.where(self.stable(f), J, astray[:, None]))
 
     @staticmethod
     def stable(figures: Array) -> NDArray[np.bool_]:

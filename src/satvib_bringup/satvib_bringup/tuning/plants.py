@@ -138,14 +138,14 @@ def _welch(parts: Sequence[Disturbance], rig: Rig, seed: int, duration: float, l
 def gain_box(rig: Rig) -> tuple[Array, Array]:
     """Give the bounds (3, modes) of P, I, D in which a rig's gains are looked for.
 
-    With w the mean of the payload's modes and b the acceleration per volt well above them, P up to 20 w / b (ten times
-    critical damping), I from -0.5 to 20 w^2 / b (a spring twenty times the rig's), D from -0.5 to 2 / b (from half the
-    mass less to three times the mass).
+    With w the mean of the payload's modes and b the acceleration per volt well above them, P up to 8 w / b (four times
+    critical damping), I from -0.5 to 8 w^2 / b (a spring eight times the rig's), D from -0.5 to 1 / b (from half the
+    mass less to twice the mass).
     """
     modes = modal_frequencies(rig)
     w = 2.0 * math.pi * float(np.mean(modes))
     b = float(abs(frequency_response(rig, 5.0 * float(np.mean(modes)))[0, 0]))
     n = rig.struts.count
     low = np.array([0.0, -0.5 * w * w / b, -0.5 / b])
-    high = np.array([20.0 * w / b, 20.0 * w * w / b, 2.0 / b])
+    high = np.array([8.0 * w / b, 8.0 * w * w / b, 1.0 / b])
     return np.repeat(low[:, None], n, axis=1), np.repeat(high[:, None], n, axis=1)
