@@ -25,7 +25,10 @@ def test_every_scenario_of_the_package_loads_and_comes_back(name):
     assert Scenario.from_mapping(scenario.to_mapping()) == scenario
     rate = scenario.load_rig().acquisition.sample_rate
     assert scenario.identifier_parameters(rate).sample_rate == rate
-    assert scenario.controller_parameters(rate, strut=2).strut == 2
+    parameters = scenario.controller_parameters(rate, strut=2)
+    assert parameters.sample_rate == rate
+    # one controller for all struts is not that of a certain one
+    assert parameters.strut == (0 if scenario.scheme == 'centralized' else 2)
 
 
 def test_the_paper_scenario_has_the_phases_of_the_paper():
