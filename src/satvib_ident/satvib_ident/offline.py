@@ -225,6 +225,14 @@ def _candidate(
 def _choose(candidates: list[Candidate], criterion: str) -> tuple[Candidate, str]:
     if len(candidates) == 1:
         return candidates[0], 'the only order asked for'
+    best, reason = _best(candidates, criterion)
+    sizes = [c.parameters for c in candidates]
+    if best.parameters == max(sizes) > min(sizes):
+        reason += '; it is the largest compared, a larger one may be better'
+    return best, reason
+
+
+def _best(candidates: list[Candidate], criterion: str) -> tuple[Candidate, str]:
     stable = [c for c in candidates if bool(c.model.is_stable())]
     aside = (
         f'; {len(candidates) - len(stable)} unstable set aside'

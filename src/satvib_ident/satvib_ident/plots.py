@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
 
 from satvib_ident.offline import OfflineResult
@@ -34,9 +35,9 @@ def fit_figure(result: OfflineResult) -> 'Figure':
     t = np.arange(len(y)) * model.dt
     figure, ((above,), (below,)) = new_figure(2, 1, (9.0, 5.5))
     above.plot(t, y, color='0.2', lw=1.2, label='measured')
-    above.plot(
-        t, model.predict(y, result.u), lw=0.9, label=f'one step, fit {result.chosen.one_step:.4f}'
-    )
+    # before `first` a prediction lacks some of the past, and would be all that the axis shows
+    told = model.predict(y, result.u)[first:]
+    above.plot(t[first:], told, lw=0.9, label=f'one step, fit {result.chosen.one_step:.4f}')
     free = model.simulate(result.u, y[:first])
     above.plot(t, free, lw=0.9, ls='--', label=f'free run, fit {result.chosen.free_run:.4f}')
     above.axvline(t[result.split], color='0.7', lw=0.8)
@@ -77,13 +78,19 @@ def pole_zero_figure(result: OfflineResult) -> 'Figure':
     axis.plot(zeros.real, zeros.imag, 'o', mfc='none', label='zeros')
     axis.set_aspect('equal')
     axis.set(xlim=(-2.0, 2.0), ylim=(-2.0, 2.0))
-    far = int(np.sum(np.abs(zeros) > 2.0))
-    if far:
-        axis.set_title(f'{far} zeros lie further out', fontsize=9)
+    far = zeros[np.maximum(np.abs(zeros.real), np.abs(zeros.imag)) > 2.0]
+    if far.size:
+        where = ', '.join(f'{z.real:.3g}' if z.imag == 0.0 else f'{z:.3g}' for z in far)
+        axis.set_title(f'further out, zeros at {where}', fontsize=9)
     axis.set_xlabel('Re z')
     axis.set_ylabel('Im z')
     axis.legend(fontsize=8)
     return figure
+
+
+def _phase(response: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Unwrapped phase, degrees."""
+    return np.degrees(np.unwrap(np.angle(response)))
 
 
 def bode_figure(result: OfflineResult) -> 'Figure':
@@ -91,12 +98,15 @@ def bode_figure(result: OfflineResult) -> 'Figure':
     figure, ((above,), (below,)) = new_figure(2, 1, (7.0, 5.0))
     nyquist = 0.5 / result.model.dt
     f = np.geomspace(nyquist / 200.0, 0.999 * nyquist, 400)
+    own = _phase(result.model.frequency_response(f))
     for candidate in sorted(result.candidates, key=lambda c: c is result.chosen):
         mine = candidate is result.chosen
         g = candidate.model.frequency_response(f)
         style = {'color': 'C3', 'lw': 1.6} if mine else {'color': '0.7', 'lw': 0.8}
         above.loglog(f, np.abs(g), label=candidate.name if mine else None, **style)
-        below.semilogx(f, np.degrees(np.unwrap(np.angle(g))), **style)
+        # turns that unwrapping has added or left out would part curves that agree
+        phase = _phase(g)
+        below.semilogx(f, phase - 360.0 * np.round(np.median(phase - own) / 360.0), **style)
     above.set_ylabel('gain [m/s²/V]')
     below.set_ylabel('phase [°]')
     below.set_xlabel('frequency [Hz]')

@@ -96,6 +96,15 @@ def test_robot_arm_choice(robot_arm):
     assert 'free-run fit' in result.reason
 
 
+def test_the_end_of_the_range_is_said(robot_arm):
+    """Truth: of 2, 4 and 8 poles 8 are the best and the largest; with 10 beside them they are not the largest."""
+    u, y = robot_arm
+    for orders, said in (((2, 4, 8), True), ((2, 4, 8, 10), False)):
+        result = identify(y, u, 1.0, [(n, n + 1, 0) for n in orders])
+        assert result.model.order == 8
+        assert ('a larger one may be better' in result.reason) is said
+
+
 def test_residual_correlations_are_their_formulas():
     """Truth: numpy's sums on mean-free signals (1e-12)."""
     generator = np.random.default_rng([82])
@@ -137,6 +146,21 @@ def test_figures_are_files_and_are_not_overwritten(equation_error_record, tmp_pa
     assert all(p.read_bytes()[:8] == b'\x89PNG\r\n\x1a\n' for p in paths)
     with pytest.raises(SatvibError, match='exists already, not overwritten'):
         save_plots(result, tmp_path / 'figures', 'x')
+
+
+def test_a_figure_shows_predictions_only_where_there_is_a_past(robot_arm):
+    """Truth: the 8 samples without a full regressor are left out, so the axis is that of the record (20 % beside it);
+    curves of the phase differ by less than one turn from that of the chosen model.
+    """
+    pytest.importorskip('matplotlib')
+    from satvib_ident.plots import bode_figure, fit_figure
+
+    u, y = robot_arm
+    result = identify(y, u, 1.0, [(n, n + 1, 0) for n in (4, 6, 8)])
+    low, high = fit_figure(result).axes[0].get_ylim()
+    assert max(-low, high) < 1.2 * np.abs(y).max()
+    curves = [line.get_ydata() for line in bode_figure(result).axes[1].lines]
+    assert all(abs(np.median(c - curves[-1])) <= 180.0 for c in curves)
 
 
 def test_a_model_file_can_tell_where_it_comes_from(equation_error_record, tmp_path):
