@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Tables of docs/between_samples.md that are no study: what the models know, and what a second channel sees.
+
+    ./satvib shell
+    python benchmarks/between_samples.py --page docs/between_samples.md
+
+The second channel is made from the truth of a run: noise of the sensor's density, a low-pass and a rate of its own.
+"""
+
+import argparse
+import math
+from pathlib import Path
+
+import numpy as np
+from model_phase import HEAD, ORDERS, RATES, Case, row
+from numpy.typing import NDArray
+from satvib_bringup.analysis.evaluation import fine
+from satvib_bringup.analysis.levels import decibel, rms, tone_level
+from satvib_bringup.closed_loop import simulate, simulate_open_loop
+from satvib_bringup.scenario import load_scenario
+from satvib_bringup.study_table import fill, plain_markdown
+from scipy.signal import butter, sosfilt
+
+Array = NDArray[np.float64]
+SEEDS = range(1, 6)
+# rate of the channel in Hz, order and corner of its filter
+CHANNELS = ((100.0, 1, 50.0), (500.0, 2, 175.0), (1000.0, 2, 350.0), (2000.0, 2, 700.0))
+NOISES = {'10 mg': 0.0980665, '0.1 mg': 9.80665e-4}
+
+
+def whole_delay(latency: float, rate: float) -> int:
+    """One sample, and the whole periods of the latency (s)."""
+    return math.floor(latency * rate + 1e-9) + 1
+
+
+def models() -> str:
+    """Phase errors of identified models."""
+    lines = [HEAD]
+    for excitation in ('chirp', 'prbs', 'squares'):
+        for rate in RATES:
+            for poles, coefficients in ORDERS if excitation == 'chirp' else ((2, 3), (6, 7)):
+                lines.append(row(Case(rate, 'matched', excitation, poles, coefficients), SEEDS))
+    lines += [
+        row(Case(rate, '50 Hz', 'chirp', 4, 5, delay=whole_delay(1e-3, rate)), SEEDS)
+        for rate in RATES
+    ]
+    for rate in (500.0, 1000.0):
+        for delay in (1, whole_delay(5e-3, rate)):
+            case = Case(rate, 'matched', 'chirp', 6, 7, delay=delay, latency=5e-3)
+            lines.append(row(case, SEEDS))
+    return '\n'.join(lines) + '\n'
+
+
+def channel(true: Array, dt: float, rate: float, order: int, corner: float, noise: float) -> Array:
+    """What a second accelerometer reads, (samples, struts).
+
+    Args:
+        true: (fine samples, struts), m/s^2.
+        dt: s, of the fine grid.
+        rate: Hz, of the channel.
+        order, corner: of its low-pass; corner in Hz.
+        noise: RMS in m/s^2 of a sensor of 100 Hz bandwidth; a wider channel has more of it.
+    """
+    rng = np.random.default_rng([7, round(rate)])
+    density = noise / math.sqrt(100.0)
+    read = true + density * math.sqrt(0.5 / dt) * rng.standard_normal(true.shape)
+    low = sosfilt(butter(order, corner, fs=1.0 / dt, output='sos'), read, axis=0)
+    return np.asarray(low[:: round(1.0 / (rate * dt))])
+
+
+def own_truth() -> str:
+    """Second channels beside the loop's own samples and the truth."""
+    scenario = load_scenario(
+        'clean_3dof_narrowband',
+        [
+            'rig.acquisition.sample_rate=100', 'rig.acquisition.hold=zero',
+            'rig.acquisition.filter_order=1', 'rig.acquisition.filter_corner=50',
+            'identifier={poles: 4, coefficients: 5}',
+        ],
+    )  # fmt: skip
+    run = simulate(scenario)
+    idle = simulate_open_loop(run)
+    window = run.window(*scenario.analysis.controlled)
+    rows = []
+
+    def add(name: str, noise: str, after: Array, before: Array, dt: float) -> None:
+        told = decibel(rms(after), rms(before))
+        tone = decibel(tone_level(after, dt, [10.0]), tone_level(before, dt, [10.0]))
+        rows.append([name, noise, f'{np.max(told):.1f}', f'{np.max(tone):.1f}'])
+
+    measured = [each.get('acceleration', 'upper')[window] for each in (run, idle)]
+    add("the loop's own samples, 100 Hz", '0.1 mg', *measured, run.sample_period)
+    true = [fine(each, window) for each in (run, idle)]
+    for noise, value in NOISES.items():
+        for rate, order, corner in CHANNELS:
+            read = [channel(t, run.fine_period, rate, order, corner, value) for t in true]
+            after, before = (r[round(0.5 * rate) :] for r in read)  # the filter settles
+            name = f'second channel, {rate:.0f} Hz, order {order} at {corner:.0f} Hz'
+            add(name, noise, after, before, 1.0 / rate)
+    add('truth', 'none', *true, run.fine_period)
+    return plain_markdown(['seen by', 'noise', 'RMS [dB]', 'tone [dB]'], rows)
+
+
+def main() -> None:
+    """Print the tables and write them into the page."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('--page', type=Path, help='page with the marks of the tables')
+    options = parser.parse_args()
+    tables = {'table own_truth': own_truth(), 'table model_phase': models()}
+    for text in tables.values():
+        print(text)
+    if options.page is not None:
+        fill(options.page, tables)
+
+
+if __name__ == '__main__':
+    main()
