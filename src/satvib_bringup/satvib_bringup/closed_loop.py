@@ -40,6 +40,7 @@ Progress = Callable[['LoopStep'], None]
 # what the scenarios of a batch have in common
 BATCH_SHARES = (
     'identifier', 'controller', 'scheme', 'centralized', 'model_period', 'phases', 'duration',
+    'command_timeout',
 )  # fmt: skip
 
 
@@ -80,10 +81,16 @@ class ClosedLoop:
         disturbances = [scenario.make_disturbance() for scenario in self.scenarios]
         seeds = [scenario.seed for scenario in self.scenarios]
         self.plant = (
-            make_failing_plant(self.rigs[0], disturbances[0], seeds[0], first.failures)
+            make_failing_plant(
+                self.rigs[0], disturbances[0], seeds[0], first.failures, first.command_timeout
+            )
             if single
             else make_failing_plant(
-                self.rigs, disturbances, seeds, [scenario.failures for scenario in self.scenarios]
+                self.rigs,
+                disturbances,
+                seeds,
+                [scenario.failures for scenario in self.scenarios],
+                first.command_timeout,
             )
         )
         self.shape: tuple[int, ...] = () if single else (len(self.scenarios),)

@@ -154,6 +154,7 @@ def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None
         failures=_inline([f.to_mapping() for f in scenario.failures if f.kind != CONTROLLER]),
         seed=scenario.seed,
         lockstep=not realtime,
+        command_timeout=scenario.command_timeout,
     )
     identifier = scenario.identifier_parameters(rate, not realtime)
     controller = scenario.controller_parameters(rate, not realtime)

@@ -13,6 +13,8 @@ from typing import Any
 from satvib_common.phases import Phase, PhasePlan
 
 REPORT = 'recording.json'
+# what ends with a controller that is killed; the last model waits for a voltage that will not come
+_OF_THE_DEAD = frozenset({'voltage', 'controller_state', 'identified_model'})
 
 
 def expected_models(plan: PhasePlan, phases: frozenset[Phase], period: int) -> int:
@@ -57,9 +59,9 @@ def complaint(
         for name, count in wanted.items():
             topic = f'/{strut}/{name}'
             found = report.get(topic, {'count': 0})
-            if strut in silenced and name in {'voltage', 'controller_state'}:
-                if not 0 < found['count'] <= count or found['gaps'] or found['first'] != 0:
-                    return f'recording: {topic} has gaps before the controller was killed'
+            if strut in silenced and name in _OF_THE_DEAD:
+                if not 0 < found['count'] <= count:
+                    return f'recording: {found["count"]} messages on {topic}, not 1 to {count}'
                 continue
             if found['count'] != count:
                 return f'recording: {found["count"]} messages on {topic}, not {count}'

@@ -88,6 +88,13 @@ class Scenario(Schema):
     phases: tuple[PhaseStep, ...] = param(description='phases in order, the first at 0 s')
     disturbance: dict[str, Any] = param(dict, 'what shakes the lower plate; empty: nothing')
     failures: tuple[Failure, ...] = param((), 'what goes wrong, and when')
+    command_timeout: float = param(
+        0.05,
+        'how long the board holds the voltage of a controller that says nothing, before it ramps '
+        'to 0 V over that same time',
+        unit='s',
+        above=0.0,
+    )
     identifier: dict[str, Any] = param(dict, 'parameters of the strut identifiers')
     controller: dict[str, Any] = param(dict, 'parameters of the strut controllers')
     scheme: str = param(

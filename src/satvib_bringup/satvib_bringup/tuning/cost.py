@@ -8,8 +8,10 @@ values on the rig as it is at 0 V, v the largest RMS of a voltage over its limit
     J = r + tilt t + effort v^2 + penalty max(1 - m / margin, 0)^2
 
 Where the loop is not stable, J = 1000 (1 + s), s the mean of the gains' magnitudes as shares of the box: it falls
-towards no gains, where every loop is stable, so that a search that begins among unstable ones finds its way. The cost of the gains is the mean of J over the plants and of its largest, half
-each: good in general, and nowhere bad. `loop_cost` has the equations of r, t, v and m.
+towards no gains, where every loop is stable, so that a search that begins among unstable ones finds its way.
+
+The cost of the gains is the mean of J over the plants and of its largest, half each: good in general, and nowhere bad.
+`loop_cost` has the equations of r, t, v and m.
 """
 
 from __future__ import annotations
