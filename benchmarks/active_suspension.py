@@ -5,6 +5,7 @@
     ./satvib shell
     python benchmarks/active_suspension.py                # all tables: half a minute
     python benchmarks/active_suspension.py --short        # two noise segments, no random frequencies
+    python benchmarks/active_suspension.py --page docs/narrowband.md [--model identified]
 
 The law is told the band, the model and nothing else: not the level, not the number of tones, not when they change.
 Each figure stands beside that of an oracle which knows every frequency at every sample, on the same noise. The
@@ -19,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_bringup.study_table import fill
 from satvib_common.guard import VoltageGuard
 from satvib_common.iir import IirFilter
 from satvib_common.phases import Phase
@@ -194,15 +196,29 @@ def chirp_table(trials: Trials) -> list[dict[str, float | str]]:
     return table
 
 
-def show(title: str, table: list[dict[str, float | str]]) -> None:
-    """Print as Markdown."""
-    print(f'\n{title}\n')
-    print('| ' + ' | '.join(table[0]) + ' |\n|' + '---|' * len(table[0]))
+def markdown(table: list[dict[str, float | str]]) -> str:
+    """The rows as a Markdown table."""
+    lines = ['| ' + ' | '.join(table[0]) + ' |', '|' + '---|' * len(table[0])]
     for row in table:
         cells = [
             v if isinstance(v, str) else f'{v:.2f}' if v % 1 else f'{v:.0f}' for v in row.values()
         ]
-        print('| ' + ' | '.join(cells) + ' |')
+        lines.append('| ' + ' | '.join(cells) + ' |')
+    return '\n'.join(lines) + '\n'
+
+
+def summary(tables: dict[str, list[dict[str, float | str]]]) -> str:
+    """The worst of the steady tones, in a sentence."""
+    steady = [*tables['steady'], *tables.get('random', [])]
+    worst = [max(float(r[key]) for r in steady) for key in ('ga_behind', 'da_behind', 'ma_behind')]
+    figures, missed, alone = (
+        sum(int(r[key]) for r in steady) for key in ('runs', 'oracle_outside', 'outside')
+    )
+    return (
+        f'Behind the oracle at worst: GA {worst[0]:.2f} dB, DA {worst[1]:.2f} dB, MA {worst[2]:.2f} dB. '
+        f'Of {4 * figures} figures of steady tones the oracle misses {missed} of the limits, '
+        f'the law {alone} more.\n'
+    )
 
 
 def run(
@@ -237,6 +253,9 @@ def main() -> None:
     parser.add_argument('--random', type=int, default=20, help='random frequencies')
     parser.add_argument('--model', choices=('exact', 'identified'), default='exact')
     parser.add_argument('--short', action='store_true')
+    parser.add_argument(
+        '--page', type=Path, help='page with the marks <!-- table steady exact --> ...'
+    )
     options = parser.parse_args()
     if not asp.data_path().exists():
         print(f'no benchmark data at {asp.data_path()}: nothing to run')
@@ -252,15 +271,13 @@ def main() -> None:
         'steps': 'Step changes every 3 s: peaks in 1e-3 V, settling in s, fall of the power in dB',
         'chirp': 'Chirps: 1e-3 V',
     }
-    for name, table in tables.items():
-        show(heads[name], table)
-    steady = [*tables['steady'], *tables.get('random', [])]
-    for key in ('ga_behind', 'da_behind', 'ma_behind'):
-        print(f'\nworst {key}: {max(float(r[key]) for r in steady):.2f} dB', end='')
-    figures = 4 * sum(int(r['runs']) for r in steady)
-    print(f'\nof {figures} figures of steady tones outside the limits: '
-          f'the oracle {sum(int(r["oracle_outside"]) for r in steady)}, '
-          f'the law alone {sum(int(r["outside"]) for r in steady)}')  # fmt: skip
+    texts = {name: markdown(table) for name, table in tables.items()}
+    for name, text in texts.items():
+        print(f'\n{heads[name]}\n\n{text}', end='')
+    texts['summary'] = summary(tables)
+    print('\n' + texts['summary'], end='')
+    if options.page is not None:
+        fill(options.page, {f'table {n} {options.model}': t for n, t in texts.items()})
     print(f'{time.perf_counter() - begun:.0f} s')
 
 

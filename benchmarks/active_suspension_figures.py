@@ -3,7 +3,7 @@
 """Figures of docs/narrowband.md, and its table of the tracker beside an AR(2) fit.
 
     ./satvib shell
-    python benchmarks/active_suspension_figures.py [--figures docs/figures]
+    python benchmarks/active_suspension_figures.py [--figures docs/figures] [--page docs/narrowband.md]
 
 The AR(2) fit is y(k) = 2 rho cos(w) y(k-1) - rho^2 y(k-2) by recursive least squares over all samples. Noise puts
 power into y(k-1)^2 that no tone has, so the poles are drawn to the origin and the frequency to a quarter of the
@@ -20,6 +20,7 @@ import matplotlib as mpl
 mpl.use('Agg')
 import matplotlib.pyplot as plt
 import numpy as np
+from satvib_bringup.study_table import fill
 from satvib_common.phases import Phase
 from satvib_control.law import LawInput, make_law
 from satvib_control.parameters import ControllerParameters
@@ -165,16 +166,21 @@ def main() -> None:
     """Print the table, draw the figures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--figures', type=Path, help='folder for the figures')
+    parser.add_argument('--page', type=Path, help='page with the mark <!-- table tracker -->')
     options = parser.parse_args()
     there = asp.data_path().exists()
     table = bias(['white, 5 %', 'white, 20 %', *(['measured'] if there else [])])
     print(f'{TRIALS} trials of {SECONDS:g} s, mean of the last {SECONDS - LATE:g} s, mHz\n')
-    print('| noise | frequency [Hz] | tracker: bias | deviation | AR(2): bias | deviation |')
-    print('|---|---|---|---|---|---|')
-    for kind, rows in table.items():
-        for row in rows:
-            cells = ' | '.join(f'{1e3 * v:+.2f}' for v in row[1:])
-            print(f'| {kind} | {row[0]:g} | {cells} |')
+    names = ('tracker: bias', 'deviation', 'AR(2): bias', 'deviation of it')
+    text = bench.markdown([
+        {'noise': kind, 'frequency [Hz]': row[0]}
+        | {name: f'{1e3 * v:.2f}' for name, v in zip(names, row[1:], strict=True)}
+        for kind, rows in table.items()
+        for row in rows
+    ])  # fmt: skip
+    print(text, end='')
+    if options.page is not None:
+        fill(options.page, {'table tracker': text})
     if options.figures is not None:
         options.figures.mkdir(parents=True, exist_ok=True)
         figure_tracker(options.figures, table)
