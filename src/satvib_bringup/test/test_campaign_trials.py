@@ -59,7 +59,7 @@ def test_20_random_trials_have_the_bits_of_their_single_runs():
 
 
 def test_samples_that_only_some_trials_use_do_not_show_in_the_others():
-    """Truth: the recording of one scenario alone; equal in every bit, with a floor that trials pass at other samples."""
+    """Truth: the recording of one scenario alone; equal bits, with a floor that trials pass at other times."""
     settings = {'identifier.regressor_floor': 14.0, 'controller.excitation': 'chirp'}
     plan = plan_of(3, set=settings, parameters={'rig.payload.mass': PARAMETERS['rig.payload.mass']})
     scenarios = [plan.scenario(i) for i in range(3)]

@@ -83,7 +83,7 @@ class Campaign(Schema):
     @property
     def size(self) -> int:
         """Trials of a part; the same whatever runs them."""
-        return self.chunk or min(max(self.trials // 16, 25), 500)
+        return self.chunk or min(max(self.trials // 8, 25), 500)
 
     @property
     def chunks(self) -> int:
