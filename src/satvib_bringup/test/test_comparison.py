@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from satvib_bringup.closed_loop import ClosedLoop
-from satvib_bringup.comparison.cases import OPEN, drawn_rig, load_comparison
+from satvib_bringup.closed_loop import ClosedLoop, simulate
+from satvib_bringup.comparison.cases import OPEN, drawn_rig, load_comparison, replayable
 from satvib_bringup.comparison.runs import run_comparison
 from satvib_bringup.comparison.tables import attenuation_table, plain, tables
+from satvib_bringup.run_folder import write_scenario
+from satvib_bringup.scenario import load_scenario
 from satvib_common.errors import SatvibError
 from satvib_control.strut_geometry import mode_matrix
 from satvib_plant_sim.rig import load_rig
@@ -45,6 +47,20 @@ def test_a_cell_of_the_batch_is_its_single_run(found):
             q = np.einsum('mi,tif->tmf', mode, step.truth.upper[None])
             level = np.mean(q * q, axis=2).sum(axis=1)
             assert level[0] == found.level[scheme][cases.index(case), i, step.sequence]
+
+
+def test_a_cell_can_be_run_by_itself(found, tmp_path):
+    """Truth: the level of the batch, bit for bit, from the cell's own scenario file."""
+    c = found.comparison
+    write_scenario(replayable(c, 'velocity', 'lighter_anew', c.seed + 1), tmp_path)
+    scenario = load_scenario(tmp_path / 'scenario.yaml')
+    assert scenario.load_rig() == drawn_rig(
+        c.scenario('velocity', 'lighter_anew', c.seed + 1).load_rig(), c.seed + 1
+    )
+    truth = simulate(scenario).get('truth', 'upper')
+    q = np.einsum('mi,tif->tmf', mode_matrix((90.0, 210.0, 330.0)), truth)
+    level = np.mean(q * q, axis=2).sum(axis=1)
+    assert np.array_equal(level, found.level['velocity'][list(c.cases).index('lighter_anew'), 1])
 
 
 def test_until_the_event_cases_do_not_differ(found):
@@ -153,6 +169,7 @@ def test_the_command_writes_tables_numbers_figure_and_page(tmp_path: Path, monke
     assert 'old' not in page.read_text()
     assert (tmp_path / 'out' / 'comparison.png').stat().st_size > 10_000
     json.loads((tmp_path / 'out' / 'comparison.json').read_text())
+    load_scenario(tmp_path / 'out/scenarios/adaptive-nominal/scenario.yaml')
 
 
 def test_a_rig_of_one_strut_has_no_modes_to_compare():

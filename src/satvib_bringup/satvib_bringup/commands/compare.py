@@ -28,20 +28,21 @@ def compare(
 ) -> None:
     """Compare control schemes on the same rigs, disturbances and seeds, through failures and changes.
 
-    Writes tables.md, comparison.json and comparison.png into a new folder; `--set seeds=20`, `--set event=12`,
-    `--set base.rig=clean_3dof` and so on change what is compared.
+    Writes tables.md, comparison.json, comparison.png and, as a scenario that can be run live, the first seed of every
+    cell into a new folder; `--set seeds=20`, `--set event=12`, `--set base.rig=clean_3dof` and so on change what is
+    compared.
     """
     import json
     import shutil
 
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from satvib_bringup.comparison.cases import load_comparison
+    from satvib_bringup.comparison.cases import load_comparison, replayable
     from satvib_bringup.comparison.figure import draw
     from satvib_bringup.comparison.runs import run_comparison
     from satvib_bringup.comparison.tables import plain, tables
     from satvib_bringup.console import make_console
-    from satvib_bringup.run_folder import free_run_folder, make_run_folder
+    from satvib_bringup.run_folder import free_run_folder, make_run_folder, write_scenario
     from satvib_bringup.study_table import fill
 
     loaded = load_comparison(file, settings or [])
@@ -66,6 +67,11 @@ def compare(
     numbers = json.dumps(plain(found), indent=1, allow_nan=False)
     (target / 'comparison.json').write_text(numbers + '\n', encoding='utf-8')
     draw(found, target / 'comparison.png')
+    for scheme in loaded.schemes:
+        for case in loaded.cases:
+            cell = target / 'scenarios' / f'{scheme}-{case}'
+            make_run_folder(cell)
+            write_scenario(replayable(loaded, scheme, case, loaded.seed), cell)
     if page is not None:
         fill(page, made)
         figures = page.parent / 'figures'

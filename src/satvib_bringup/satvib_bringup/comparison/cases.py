@@ -119,6 +119,21 @@ def drawn_rig(rig: Rig, seed: int) -> Rig:
     )
 
 
+def replayable(comparison: Comparison, scheme: str, case: str, seed: int) -> Scenario:
+    """Give a cell as a scenario that holds its drawn rig, to be run or simulated by itself, live too."""
+    scenario = comparison.scenario(scheme, case, seed)
+    rig = scenario.load_rig()
+    if not isinstance(rig, Rig):
+        raise SatvibError(f'comparison {comparison.name}: {rig.name} has no struts to draw')
+    drawn = drawn_rig(rig, seed)
+    changes = {
+        'struts.stiffness_scale': list(drawn.struts.stiffness_scale),
+        'struts.damping': drawn.struts.damping,
+        'coil.force_scale': list(drawn.coil.force_scale),
+    }
+    return scenario.replace(rig_overrides={**scenario.rig_overrides, **changes})
+
+
 def load_comparison(path: Path | None = None, overrides: Sequence[str] = ()) -> Comparison:
     """Load the comparison of the package, or one of a file.
 
