@@ -87,7 +87,10 @@ def go_on(
     total = store.campaign.trials
     told(store.trials_done if store.result is None else total, total)
     if store.result is None:
-        for index, data in run_parts(plan, store, scheduler, workers):
-            store.keep(index, data)
-            told(store.trials_done, total)
+        try:
+            for index, data in run_parts(plan, store, scheduler, workers):
+                store.keep(index, data)
+                told(store.trials_done, total)
+        except SatvibError as error:
+            raise SatvibError(f'{error}; {store.kept()}') from None
     return plan, store.finish()

@@ -100,13 +100,11 @@ class Store:
             _write(path, data)
             self._parts[f'{index:06d}'] = hashlib.sha256(data).hexdigest()
             self._write_manifest()
-        except SatvibError as error:
+        except SatvibError:
             self._parts.pop(f'{index:06d}', None)
-            raise SatvibError(f'{error}; {self.kept()}') from None
+            raise
         except OSError as error:
-            raise SatvibError(
-                f'{path}: cannot be written: {error.strerror}; {self.kept()}'
-            ) from None
+            raise SatvibError(f'{path}: cannot be written: {error.strerror}') from None
 
     def kept(self) -> str:
         """Words that say what is there and how to go on."""

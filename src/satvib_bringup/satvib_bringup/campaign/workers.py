@@ -9,9 +9,12 @@ whose worker dies is run again by another; nothing in its result tells where it 
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import platform
 import secrets
+import signal
+import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -26,6 +29,7 @@ from satvib_bringup.report.result import versions
 # workers that may die while they run one and the same part
 _LIVES = 5
 _CONNECT = 10  # s
+_WORKERS = 30  # s
 
 
 def software() -> dict[str, str]:
@@ -75,6 +79,8 @@ def run_parts(
             yield index, run_task(plan.part(trials), trials.start, software())
         return
     with _client(scheduler, min(workers or cores(), len(waiting))) as client:
+        if scheduler is not None:
+            _wait_for_workers(client, scheduler)
         yield from _distributed(client, plan, waiting)
 
 
@@ -95,13 +101,16 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
         'distributed.worker.daemon': True,
         'distributed.comm.timeouts.connect': f'{_CONNECT}s',
         'distributed.admin.tick.limit': '1h',
+        'logging': {'distributed': 'critical', 'distributed.worker': 'critical'},
     }
     with dask.config.set(settings), contextlib.ExitStack() as stack:
         if scheduler is None:
-            cluster = LocalCluster(
-                n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None,
-                memory_limit=0, host='127.0.0.1',
-            )  # fmt: skip
+            with _deaf():
+                cluster = LocalCluster(
+                    n_workers=workers, threads_per_worker=1, processes=True,
+                    dashboard_address=None, memory_limit=0, host='127.0.0.1',
+                    silence_logs=logging.CRITICAL,
+                )  # fmt: skip
             client = Client(stack.enter_context(cluster))
         else:
             try:
@@ -115,7 +124,37 @@ def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
         yield stack.enter_context(client)
 
 
+@contextlib.contextmanager
+def _deaf() -> Iterator[None]:
+    """Let processes that begin here ignore Control-C: the one who started them ends them in order."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _wait_for_workers(client: Any, scheduler: str) -> None:
+    """Give workers the time to come.
+
+    Raises:
+        SatvibError: there is none.
+    """
+    try:
+        client.wait_for_workers(1, timeout=_WORKERS)
+    except TimeoutError:
+        raise SatvibError(
+            f'--scheduler {scheduler}: has no workers; start some with: ./satvib shell, then '
+            f'dask worker {scheduler}'
+        ) from None
+
+
 def _distributed(client: Any, plan: TrialPlan, waiting: list[int]) -> Iterator[tuple[int, bytes]]:
+    from concurrent.futures import CancelledError
+
     from distributed import KilledWorker, as_completed
 
     wanted, run = software(), secrets.token_hex(4)
@@ -137,6 +176,10 @@ def _distributed(client: Any, plan: TrialPlan, waiting: list[int]) -> Iterator[t
                     f'part {index}: {_LIVES} workers died while they ran it (memory?); make the '
                     'parts smaller with chunk'
                 ) from None
+            except (CancelledError, OSError) as error:
+                raise SatvibError(
+                    f'the scheduler at {client.scheduler.address} is lost ({type(error).__name__})'
+                ) from None
             future.release()
             yield index, data
     finally:
@@ -145,8 +188,6 @@ def _distributed(client: Any, plan: TrialPlan, waiting: list[int]) -> Iterator[t
 
 def _quiet() -> None:
     """Keep Dask's own messages off the terminal; what matters is told by us."""
-    import logging
-
     for name in ('distributed', 'distributed.nanny', 'distributed.scheduler', 'distributed.core',
                  'distributed.worker', 'distributed.client', 'tornado.application'):  # fmt: skip
         logging.getLogger(name).setLevel(logging.CRITICAL)
