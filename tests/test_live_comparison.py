@@ -77,33 +77,38 @@ def test_another_payload_is_identified_anew(tmp_path, domain):  # noqa: ARG001
     assert (level(run, 6.0, 7.0) < level(fixed, 6.0, 7.0)).all()
 
 
-@pytest.mark.parametrize('scheme', SCHEMES)
+# gains that a machine which is late by several samples does not turn into vibration
+MODEST = {
+    'decentralized': ['controller.law=velocity_feedback', 'controller.velocity_gain=10'],
+    'centralized': ['scheme=centralized', 'centralized={gains_p: [10, 10, 10]}', 'controller={}'],
+}
+
+
+@pytest.mark.parametrize('scheme', MODEST)
 def test_a_controller_killed_in_the_run(scheme, tmp_path, domain):  # noqa: ARG001
     """Truth: the scenario says who dies and when; the twin says what is left, to 3 dB in real time.
 
     Decentralized, the other two go on to the end; centralized, every strut is on its own.
     """
-    from satvib_bringup.closed_loop import simulate
+    from satvib_bringup.closed_loop import simulate, simulate_open_loop
+    from satvib_bringup.scenario import load_scenario
 
-    dead = [0] if scheme == 'adaptive' else [0, 1, 2]
+    dead = [0] if scheme == 'decentralized' else [0, 1, 2]
     alive = [i for i in range(3) if i not in dead]
-    strut = ', strut: 1' if scheme == 'adaptive' else ''
+    strut = ', strut: 1' if alive else ''
     # a busy machine may be late by more than the 50 ms that a board usually grants
-    scenario = scenario_of(
-        scheme, f'failures=[{{kind: controller_killed, time: 4.5{strut}}}]', 'duration=8.5',
-        'command_timeout=0.8',
-    )  # fmt: skip
+    more = [f'failures=[{{kind: controller_killed, time: 4.5{strut}}}]', 'command_timeout=0.8']
+    scenario = load_scenario('soft_3dof', [*SETTINGS, *MODEST[scheme], 'duration=8.5', *more])
     run = run_live(scenario, tmp_path / 'run', realtime=True)
     there = run.get('voltage', 'present')
     k = round(4.5 / run.sample_period)
     last = [int(np.flatnonzero(there[:, i])[-1]) for i in range(3)]
     for i in dead:
         assert k - 2 <= last[i] < k + 200, 'within a second, on a busy machine'
-    end = (7.5, 8.5)
     for i in alive:
         assert last[i] == len(there) - 1
-    twin = simulate(scenario)
-    decibels = 20.0 * np.log10(level(run, *end) / level(twin, *end))
-    assert np.abs(decibels[dead]).max() < 3.0
-    if alive:
-        assert (level(run, *end)[alive] < 0.5 * level(run, *end)[0]).all()
+    end = (7.5, 8.5)
+    decibels = 20.0 * np.log10(level(run, *end) / level(simulate(scenario), *end))
+    assert np.abs(decibels).max() < 3.0
+    quiet = level(simulate_open_loop(simulate(scenario)), *end)
+    assert (level(run, *end)[alive] < 0.7 * quiet[alive]).all(), 'the living still do some good'
