@@ -3,15 +3,18 @@
 """Campaigns on several processes: the same bytes however many there are, and whatever becomes of them."""
 
 import os
+import signal
 import socket
 import subprocess
 import sys
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 
+import psutil
 import pytest
 from satvib_bringup.campaign import workers
 from satvib_bringup.campaign.run import begin, go_on
 from satvib_bringup.campaign.settings import Campaign
+from satvib_bringup.campaign.store import Store
 from satvib_common.errors import SatvibError
 
 pytestmark = pytest.mark.filterwarnings('ignore::ResourceWarning')
@@ -51,6 +54,16 @@ def free_port():
         return s.getsockname()[1]
 
 
+def alive(group):
+    """Processes of a group that have not ended; one that only waits to be collected has."""
+    found = []
+    for other in psutil.process_iter(['pid', 'status']):
+        with suppress(ProcessLookupError):
+            if os.getpgid(other.pid) == group and other.info['status'] != psutil.STATUS_ZOMBIE:
+                found.append(other.pid)
+    return found
+
+
 @pytest.mark.parametrize('count', [pytest.param(1, marks=pytest.mark.long), 2])
 def test_any_number_of_processes_gives_the_same_bytes(tmp_path, wanted, count):
     """Truth: the table made without any other process; equal bytes."""
@@ -85,6 +98,54 @@ def test_scheduler_and_two_workers_of_which_one_is_killed(tmp_path, wanted):
         assert pair[1].poll() is None
     assert seen[-1] == 40
     assert (folder / 'trials.parquet').read_bytes() == wanted
+
+
+@pytest.mark.long
+def test_control_c_ends_all_processes_and_keeps_the_parts(tmp_path):
+    """Truth: the page on campaigns; exit 130, no traceback of anybody, the parts that were told are there."""
+    file, folder = tmp_path / 'c.yaml', tmp_path / 'c'
+    file.write_text(
+        'scenario: quick_3dof\ntrials: 400\nchunk: 5\nparameters:\n'
+        '  rig.payload.mass: {kind: uniform, low: 7.0, high: 11.0}\n'
+    )
+    env = os.environ | {'PYTHONPATH': os.pathsep.join(p for p in sys.path if p)}
+    words = ['-m', 'satvib_bringup.cli', 'campaign', file, '--folder', folder, '-j', '2']
+    with subprocess.Popen(
+        [sys.executable, *map(str, words)], env=env, text=True, start_new_session=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    ) as running:  # fmt: skip
+        for line in running.stdout:
+            if '10 of 400' in line:
+                os.killpg(running.pid, signal.SIGINT)  # as a terminal does: to all of the group
+                break
+        told, errors = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert errors == ''  # no word of the workers'
+    assert f'--resume {folder}' in told
+    assert Store(folder).trials_done >= 10
+    assert alive(running.pid) == []
+
+
+@pytest.mark.long
+def test_a_scheduler_that_goes_away_is_one_line(tmp_path):
+    """Truth: the page on campaigns; the parts that were told are kept, and the line says how to go on."""
+    address = f'tcp://127.0.0.1:{free_port()}'
+    with ExitStack() as stack:
+        words = ('dask', 'scheduler', '--host', address, '--no-dashboard')
+        scheduler = stack.enter_context(process(*words))
+        stack.enter_context(
+            process('dask', 'worker', address, '--nthreads', '1', '--no-nanny', '--no-dashboard')
+        )
+
+        def told(done, _):
+            if done >= 10 and scheduler.poll() is None:
+                scheduler.kill()
+                scheduler.wait(10)
+
+        store = begin(CAMPAIGN, tmp_path / 'c')
+        with pytest.raises(SatvibError, match=r'is lost .*; \d+ of 40 trials are kept.*--resume'):
+            go_on(store, scheduler=address, told=told)
+    assert store.trials_done >= 10
 
 
 def test_an_unreachable_scheduler_is_one_line(tmp_path, monkeypatch):
