@@ -10,6 +10,14 @@ is fitted from u to e by least squares with a slight ridge; then G0 - G is about
 whatever the colour of the noise. It sees what a covariance cannot: an order too low, a wrong delay, bias from noise,
 an actuator that saturates. Noise adds about sqrt(lags / N) times the ratio of noise to response.
 
+Where the input has no power H cannot be told, and the ridge makes it 0. Therefore the deviation of H itself counts:
+with s^2 the variance of what H leaves of e, and c the row of exp(-j 2 pi f i dt),
+
+    E |dH|^2 = s^2 c (R + ridge)^-1 c*
+
+If that exceeds half of |B|^2 anywhere in the band, an error as large as the response could hide there, and the answer
+is infinity.
+
 L. Ljung, Model error modeling and control design, IFAC SYSID 2000.
 """
 
@@ -23,6 +31,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 RIDGE = 1e-3
+HIDDEN = 0.5  # share of |G|^2 that noise may hide
 
 
 @kernel(
@@ -43,11 +52,11 @@ def _push(y, u, active, ring, state, held):  # type: ignore[no-untyped-def]  # n
 
 
 @kernel(
-    'void(f8[:], f8[:,:], f8[:], f8[:,:], f8[:,:], f8[:], f8[:,:], f8[:], f8[:])',
-    '(p),(t,v),(s),(f,l),(f,l),(q),(l,l)->(l),()',
+    'void(f8[:], f8[:,:], f8[:], f8[:,:], f8[:,:], f8[:], f8[:,:], f8[:,:], f8[:], f8[:])',
+    '(p),(t,v),(s),(f,l),(f,l),(q),(l,l),(t,l)->(l),()',
     writable=('R',),
 )
-def _error(theta, ring, state, cosine, sine, orders, R, h, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _error(theta, ring, state, cosine, sine, orders, R, work, h, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     n, m = int(orders[0]), int(orders[1])
     lags = R.shape[0]
     size = ring.shape[1] // 2
@@ -63,6 +72,7 @@ def _error(theta, ring, state, cosine, sine, orders, R, h, out):  # type: ignore
             R[i, j] = 0.0
     if held < first + 3 * lags:
         return
+    left = 0.0
     for k in range(first, held):
         e = y[k]
         for i in range(n):
@@ -70,6 +80,7 @@ def _error(theta, ring, state, cosine, sine, orders, R, h, out):  # type: ignore
         for i in range(m):
             e -= theta[n + i] * u[k - i]
         now = u[k]
+        left += e * e
         for j in range(lags):
             h[j] += e * u[k - j]
             R[0, j] += now * u[k - j]
@@ -88,6 +99,7 @@ def _error(theta, ring, state, cosine, sine, orders, R, h, out):  # type: ignore
         for k in range(i):
             h[i] -= R[k, i] * h[k]
         h[i] /= root
+        left -= h[i] * h[i]
         for j in range(i + 1, lags):
             total = R[i, j]
             for k in range(i):
@@ -97,6 +109,8 @@ def _error(theta, ring, state, cosine, sine, orders, R, h, out):  # type: ignore
         for j in range(i + 1, lags):
             h[i] -= R[i, j] * h[j]
         h[i] /= R[i, i]
+    variance = max(left, 0.0) / (held - first)
+    x, z = work[0], work[1]
     top = 0.0
     for g in range(cosine.shape[0]):
         hr, hi, br, bi = 0.0, 0.0, 0.0, 0.0
@@ -112,6 +126,19 @@ def _error(theta, ring, state, cosine, sine, orders, R, h, out):  # type: ignore
             out[0] = np.inf
             return
         top = max(top, size_h / size_b)
+        spread = 0.0
+        for i in range(lags):  # forward substitution of c
+            x[i] = cosine[g, i]
+            z[i] = sine[g, i]
+            for k in range(i):
+                x[i] -= R[k, i] * x[k]
+                z[i] -= R[k, i] * z[k]
+            x[i] /= R[i, i]
+            z[i] /= R[i, i]
+            spread += x[i] * x[i] + z[i] * z[i]
+        if variance * spread > HIDDEN * size_b:
+            out[0] = np.inf
+            return
     out[0] = np.sqrt(top)
 
 
@@ -155,9 +182,13 @@ class ModelError:
         self._state[...] = np.where(np.asarray(mask)[..., None], 0.0, self._state)
 
     def __call__(self, theta: Array) -> Array:
-        """Largest |G0 - G| / |G| in the band, (shape), of theta (*shape, p); NaN with too few samples."""
+        """Largest |G0 - G| / |G| in the band, (shape), of theta (*shape, p).
+
+        NaN with too few samples, infinite where the input tells nothing.
+        """
         work = np.zeros((*self._shape, self._lags, self._lags))
         _, worst = _error(
-            theta, self._ring, self._state, self._cosine, self._sine, self._orders, work
-        )
+            theta, self._ring, self._state, self._cosine, self._sine, self._orders, work,
+            np.zeros((2, self._lags)),
+        )  # fmt: skip
         return np.asarray(worst)

@@ -71,6 +71,7 @@ class StudyRow:
         order: order of persistent excitation.
         condition: median condition of the normalized information.
         trusted: share of the runs whose model the identifier would let through.
+        worst_trusted: largest relative error of the response among those; NaN without any.
         trace: (samples, 5) estimates of the first seed over time, for the figures.
     """
 
@@ -82,6 +83,7 @@ class StudyRow:
     order: int
     condition: float
     trusted: float
+    worst_trusted: float
     trace: Array
 
     def to_mapping(self) -> dict[str, object]:
@@ -95,6 +97,7 @@ class StudyRow:
             'order': self.order,
             'condition': self.condition,
             'trusted': self.trusted,
+            'worst_trusted': self.worst_trusted if self.trusted > 0.0 else None,
         }
 
 
@@ -120,7 +123,7 @@ class StudyResult:
         raise SatvibError(f'study: {signal!r} in case {case!r} was not run')
 
     HEADINGS = ('signal', 'case', *(f'rms {name}' for name in NAMES), 'bias a1', 'response', 'order',
-                'condition', 'trusted')  # fmt: skip
+                'condition', 'trusted', 'worst trusted')  # fmt: skip
 
     def table(self) -> list[tuple[str, ...]]:
         """The rows as text under HEADINGS."""
@@ -134,6 +137,7 @@ class StudyResult:
                 str(row.order),
                 f'{row.condition:.1e}',
                 f'{100.0 * row.trusted:.0f} %',
+                f'{100.0 * row.worst_trusted:.1f} %' if row.trusted > 0.0 else '-',
             )
             for row in self.rows
         ]
@@ -187,6 +191,9 @@ def _run_case(settings: StudySettings, plant: IirModel, name: str, case: str) ->
         order=int(found.excitation_order[0]),
         condition=float(np.median(found.information_condition)),
         trusted=float(np.mean(found.converged)),
+        worst_trusted=float(np.max(response[found.converged]))
+        if found.converged.any()
+        else float('nan'),
         trace=trace,
     )
 

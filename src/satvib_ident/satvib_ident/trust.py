@@ -11,7 +11,7 @@ The checks, in the order in which they are named:
 5. the information matrix is regular (condition below `trust_condition`);
 6. the frequency response is known in `trust_band` (relative deviation below `trust_deviation`);
 7. what the residual has in common with the input says that the response is right in that band (relative error below
-   `trust_error`);
+   `trust_error`), and the input has power enough there to say so;
 8. the residual is white (Q / h below `trust_whiteness`), if asked for.
 """
 
@@ -104,6 +104,12 @@ class Verdict:
                 return (
                     f'response uncertain by {100.0 * self.response_deviation[index]:.0f} % '
                     f'between {low:g} and {high:g} Hz, {100.0 * p.trust_deviation:g} % allowed'
+                )
+            case 7 if not np.isfinite(self.model_error[index]):
+                low, high = p.trust_band
+                return (
+                    f'too little input between {low:g} and {high:g} Hz for its noise: the response '
+                    'there may be anything'
                 )
             case 7:
                 low, high = p.trust_band

@@ -22,8 +22,8 @@ def phase(k):
 def record():
     """A paper-like run: record(name, noise, bias, delay, shape) -> upper, voltage as step() wants it; 350 samples."""
 
-    def make(name='prbs', noise=0.0, bias=0.3, delay=1, shape=(), amplitude=5.0, seed=0):
-        signal = make_excitation(name, amplitude=amplitude, dt=0.01)
+    def make(name='prbs', noise=0.0, bias=0.3, delay=1, shape=(), amplitude=5.0, seed=0, **options):
+        signal = make_excitation(name, amplitude=amplitude, dt=0.01, **options)
         u = np.concatenate([np.zeros(100), signal.samples(200), np.zeros(50)])
         y = IirModel(PLANT.a, PLANT.b, delay, 0.01).simulate(u) + bias
         y = y + noise * np.random.default_rng([71, seed]).normal(size=(*shape, 350))
@@ -206,6 +206,11 @@ def test_verdicts_name_what_is_wrong(record):
             {'trust_deviation': 9.0},
             (record(noise=0.01, delay=4)[0], record()[1]),
             'the residual still answers to the input',
+        ),
+        (
+            {'trust_deviation': 9.0, 'input_hold': 9.0},
+            record('sines', noise=0.2, frequencies=[1.0, 2.0, 3.0, 4.0, 5.0]),
+            'too little input between 5 and 20 Hz for its noise',
         ),
         ({'trust_pole_modulus': 0.1}, record(), 'unstable: pole modulus 0.397'),
         ({'trust_condition': 1.5}, record(), 'ill-conditioned information'),

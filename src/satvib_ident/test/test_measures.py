@@ -136,11 +136,54 @@ def test_a_wrong_delay_and_a_low_order_are_seen(seen, paper):
         assert measured > 0.4
 
 
+def test_a_band_without_input_hides_any_error(paper):
+    """Truth: by construction: five sines up to 5 Hz say nothing of 10 to 20 Hz once there is noise (infinity), a PRBS
+    does, and without noise five sines say everything that five parameters need.
+    """
+    f = np.geomspace(10.0, 20.0, 4)
+    for name, noise, hidden in (
+        ('sines', 0.005, True),
+        ('prbs', 0.005, False),
+        ('sines', 0.0, False),
+    ):
+        options = {'frequencies': [1.0, 2.0, 3.0, 4.0, 5.0]} if name == 'sines' else {}
+        u = make_excitation(name, amplitude=1.0, dt=0.01, **options).samples(200)
+        y = paper.simulate(u) + noise * np.random.default_rng([68]).normal(size=200)
+        error = ModelError(f, 0.01, 2, 3, 200)
+        for k in range(200):
+            error.push(y[k], u[k], np.asarray(True))
+        assert np.isinf(error(paper.theta)) == hidden
+
+
+def test_the_deviation_of_the_filter_is_that_of_ridge_regression(paper):
+    """Truth: s^2 c (R + ridge)^-1 c* in dense matrices; the noise at which it reaches half of |B|^2 parts finite from
+    infinite (0.1 %, where s^2 scales as the square of a residual that is all noise).
+    """
+    f, lags = 15.0, 20
+    u = make_excitation('squares', amplitude=1.0, dt=0.01, frequencies=[1.0, 2.0]).samples(200)
+    white = np.random.default_rng([69]).normal(size=200)
+    A = np.concatenate(([1.0], paper.a))
+    U = np.array([u[k - np.arange(lags)] for k in range(lags - 1, 200)])
+    e = np.convolve(white, A)[lags - 1 : 200]
+    R = U.T @ U
+    ridge = R + 1e-3 * R[0, 0] * np.eye(lags)
+    left = e @ e - (U.T @ e) @ np.linalg.solve(ridge, U.T @ e)
+    c = np.exp(-2j * np.pi * 0.01 * f * np.arange(lags))
+    spread = left / len(e) * np.real(c @ np.linalg.solve(ridge, c.conj()))
+    B = paper.b @ np.exp(-2j * np.pi * 0.01 * f * np.arange(3))
+    edge = np.sqrt(0.5 * np.abs(B) ** 2 / spread)
+    for noise, hidden in ((0.999 * edge, False), (1.001 * edge, True)):
+        error = ModelError(np.array([f]), 0.01, 2, 3, 200)
+        for y, drive in zip(paper.simulate(u) + noise * white, u, strict=True):
+            error.push(y, drive, np.asarray(True))
+        assert np.isinf(error(paper.theta)) == hidden
+
+
 def test_too_few_samples_tell_nothing(paper):
     """Truth: with 20 lags at least 79 samples are needed; NaN before."""
     error = ModelError(np.array([10.0]), 0.01, 2, 3, 200)
     known = []
     for k in range(100):
         error.push(np.asarray(np.cos(k * k)), np.asarray(np.sin(3 * k * k)), np.asarray(True))
-        known.append(bool(np.isfinite(error(paper.theta))))
+        known.append(not np.isnan(error(paper.theta)))
     assert known.index(True) == 78

@@ -38,11 +38,13 @@ def test_with_noise_prbs_beats_squares_and_squares_beat_sines(study):
 
 def test_the_verdict_goes_with_the_error(study):
     """Truth: the error of the response itself: what is trusted in most runs is right to 30 %, and nothing that is
-    off by more than 30 % is trusted in most.
+    off by more than 30 % is trusted in most; no trusted model of any seed is off by more (five sines up to 5 Hz excite
+    every order and fit the record, and are off by 50 % at 20 Hz).
     """
     for row in study.rows:
         assert (row.trusted > 0.5) <= (row.response < 0.3)
     assert sum(row.trusted > 0.9 for row in study.rows) >= 10
+    assert all(row.worst_trusted < 0.3 for row in study.rows if row.trusted > 0.0)
 
 
 def test_the_same_seed_gives_the_same_study():
