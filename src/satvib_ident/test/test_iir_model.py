@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from satvib_common.errors import SatvibError
 from satvib_ident.iir_model import IirModel
 from satvib_ident.model_file import load_model, save_model
-from satvib_ident.polynomials import pole_modulus
+from satvib_ident.polynomials import inside, pole_modulus
 
 
 def test_the_papers_print_is_tustin_at_100_hz(paper):
@@ -187,3 +187,19 @@ def test_a_broken_file_is_refused_by_name(tmp_path, text, message):
         load_model(path)
     assert 'm.yaml' in str(caught.value)
     assert '\n' not in str(caught.value)
+
+
+def test_roots_inside_a_circle():
+    """Truth: numpy.roots; random polynomials of one to five roots, none nearer to the circle than 1e-6."""
+    generator = np.random.default_rng([16])
+    seen = set()
+    for n in (1, 2, 3, 5):
+        for _ in range(200):
+            a = generator.normal(size=n) * generator.choice([0.2, 0.6, 2.0])
+            largest = np.abs(np.roots(np.append(1.0, a))).max()
+            if abs(largest - 0.995) < 1e-6:
+                continue
+            assert inside(a, 0.995) == (largest < 0.995)
+            seen.add((n, bool(largest < 0.995)))
+    assert len(seen) == 8
+    assert not inside(np.array([np.nan, 0.0]), 0.995)
