@@ -157,7 +157,7 @@ def adversary(generator, streams, count):
 @pytest.mark.parametrize('name', list(RULES))
 @pytest.mark.parametrize(
     'updates',
-    [pytest.param(400, id='short'), pytest.param(10_400, id='long', marks=pytest.mark.long)],
+    [pytest.param(400, id='short'), pytest.param(10_500, id='long', marks=pytest.mark.long)],
 )
 def test_nothing_breaks_an_estimator(name, updates):
     """Truth: theta and P stay finite, P equals its transpose to the last bit and has a Cholesky factor.
