@@ -18,7 +18,7 @@ def batch_least_squares(u, y, n):
 
 @pytest.mark.skipif(not RECORD.exists(), reason=f'{RECORD} is not here')
 def test_robot_arm_live_equals_batch_least_squares(start, probe):
-    """Truth: numpy.linalg.lstsq over the same rows; 1e-9 relative (the issue's bar), for orders 2, 4, 6."""
+    """Truth: numpy.linalg.lstsq over the same rows; 1e-9 relative (the promise of the page), for orders 2, 4, 6."""
     from satvib_msgs.msg import IirParameters
 
     u, y = np.loadtxt(RECORD, delimiter=',', skiprows=1, unpack=True)

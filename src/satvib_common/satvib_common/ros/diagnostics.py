@@ -2,13 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a node says about itself on /diagnostics, once a second."""
 
+import contextlib
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.duration import Duration
 from rclpy.node import Node
 
 from satvib_common.ros.names import strut_of
 from satvib_common.ros.qos import offered
+
+_LAST_WORDS = 0.5  # s, how long a reader may take to have the last message
 
 
 class Diagnostics:
@@ -47,5 +51,7 @@ class Diagnostics:
         self._publisher.publish(self._message)
 
     def close(self) -> None:
-        """Let go of the publisher."""
+        """Let go of the publisher once its last words have arrived."""
+        with contextlib.suppress(Exception):
+            self._publisher.wait_for_all_acked(Duration(seconds=_LAST_WORDS))
         self._node.destroy_publisher(self._publisher)
