@@ -8,8 +8,10 @@ CONTROL is cut into ten blocks; the first is for learning. Truth: every path has
 so the mean voltage is 0. Tolerance: 5 standard errors, as the scatter of the blocks' means tells, and 0.01 V (0.05 %
 of the limit) for a scatter that is nothing; the same for the later half less the earlier one, which is the drift. So
 that the scatter hides nothing it stays below 0.25 V in blocks of a minute, and, as means of noise do, below that times
-the root of what they are shorter: twice integrated, 10 mg of the lower sensor wander. Gains: the largest of the last
-block is at most 1.25 times that of the second. The short form is thirty seconds.
+the root of what they are shorter: twice integrated, 10 mg of the lower sensor wander. The mean itself may be 0.05 V: a
+calibration of 1 s with 10 mg at 100 Hz leaves a bias of 0.01 m/s^2, five times that through a weight of 1 V s^2/m at
+0 Hz. Gains: the mean over blocks of the largest in each, later half against the earlier one, grows by a quarter at
+most. The short form is thirty seconds.
 """
 
 import numpy as np
@@ -87,11 +89,11 @@ def test_nothing_drifts_and_nothing_grows(name, seconds):
     assert not last.fault.any()
     early, late = mean[1:5], mean[5:]
     error = 5.0 * mean[1:].std(axis=0, ddof=1)
-    assert np.all(np.abs(mean[1:].mean(axis=0)) < error / 3.0 + 0.01), mean
+    assert np.all(np.abs(mean[1:].mean(axis=0)) < error / 3.0 + 0.05), mean
     drift = late.mean(axis=0) - early.mean(axis=0)
     assert np.all(np.abs(drift) < error * np.sqrt(1.0 / 4.0 + 1.0 / 5.0) + 0.01), mean
     assert np.all(mean[1:].std(axis=0) < 0.25 * np.sqrt(60.0 * BLOCKS / seconds)), mean
-    assert np.all(gains[:, -1] <= 1.25 * gains[:, 1]), gains
+    assert np.all(gains[:, 5:].mean(axis=1) <= 1.25 * gains[:, 1:5].mean(axis=1)), gains
     if not name.startswith('narrowband'):
         assert np.all(gains.max(axis=(0, 1)) > 0.0)  # something did act
     assert np.all(np.abs(last.voltage) <= 20.0)
