@@ -8,19 +8,18 @@ as soon as they are there. A comedi output holds its last value for ever, also w
 to stay): the guardian zeroes them, and nothing but hardware does when the guardian is killed with the bridge.
 """
 
-import contextlib
 import ctypes
-import time
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 
-from satvib_daq_bridge.back_ends.base import Array, BackEnd, BackEndError, Reading, options_of
+from satvib_daq_bridge.back_ends.base import Array, BackEndError, options_of
 from satvib_daq_bridge.back_ends.comedi_library import AI, AO, REFERENCES, UNIT_VOLT, Comedi
-from satvib_daq_bridge.back_ends.ticker import Ticker
+from satvib_daq_bridge.back_ends.polled import Polled
 from satvib_daq_bridge.channels import Channel, Channels
 
 
@@ -47,7 +46,7 @@ class _Line:
     maxdata: int
 
 
-class ComediBoards(BackEnd):
+class ComediBoards(Polled):
     """One or more comedi devices."""
 
     def __init__(
@@ -60,12 +59,12 @@ class ComediBoards(BackEnd):
         self._locked: list[tuple[Any, int]] = []
         self._inputs: list[_Line] = []
         self._outputs: list[_Line] = []
-        self._ticker = Ticker(period)
 
     def open(self) -> str:
         """Open the devices, find every channel and its range, and write 0 V."""
         try:
             self._outputs = [self._find(n, c, AO) for n, c in self.channels.outputs]
+            self.writers = [partial(self._put, i) for i in range(len(self._outputs))]
             self._lock()
             self.write(np.zeros(len(self._outputs)), 0, False, 0.0)
             self._inputs = [self._find(n, c, AI) for n, c in self.channels.inputs]
@@ -78,40 +77,9 @@ class ComediBoards(BackEnd):
         named = [f'{(b or b"").decode()} on {device}' for device, b in boards.items()]
         return f'comedi: {", ".join(named)}'
 
-    def start(self, now: float) -> None:
-        """Begin to tick."""
-        self._ticker.start(now)
-
-    def due(self) -> float:
-        """The next tick."""
-        return self._ticker.due()
-
-    def poll(self, now: float) -> list[Reading]:
-        """Read all inputs when it is time."""
-        tick = self._ticker.take(now)
-        if tick is None:
-            return []
-        index, when = tick
-        volts = np.array([self._read(line) for line in self._inputs])
-        return [Reading(index, when, volts, max(time.monotonic() - when, 0.0))]
-
-    def write(self, volts: Array, sequence: int, enable: bool, now: float) -> None:
-        """Write all outputs; one that fails does not keep the others from being written."""
-        del sequence, enable, now
-        failed: BackEndError | None = None
-        for line, value in zip(self._outputs, volts, strict=True):
-            try:
-                self._write(line, float(value))
-            except BackEndError as error:
-                failed = failed or error
-        if failed is not None:
-            raise failed
-
-    def zero(self) -> None:
-        """Write 0 V to every output that was found."""
-        for line in self._outputs:
-            with contextlib.suppress(BackEndError):
-                self._write(line, 0.0)
+    def read(self) -> Array:
+        """Read one input after the other."""
+        return np.array([self._read(line) for line in self._inputs])
 
     def close(self) -> None:
         """Unlock and close."""
@@ -121,11 +89,7 @@ class ComediBoards(BackEnd):
         for handle in self._handles.values():
             self._library.call('comedi_close', handle)
         self._handles.clear()
-        self._inputs, self._outputs = [], []
-
-    def figures(self) -> dict[str, float]:
-        """Ticks that were missed."""
-        return {'samples lost': float(self._ticker.lost)}
+        self._inputs, self._outputs, self.writers = [], [], []
 
     def _find(self, name: str, channel: Channel, kind: int) -> _Line:
         library, where = self._library, f'{self.channels.where}: {name}'
@@ -183,8 +147,11 @@ class ComediBoards(BackEnd):
         )  # fmt: skip
         return float(self._library.call('comedi_to_phys', data.value, line.range, line.maxdata))
 
-    def _write(self, line: _Line, volts: float) -> None:
-        code = self._library.call('comedi_from_phys', volts, line.range, line.maxdata)
+    def _put(self, position: int, volts: Array) -> None:
+        line = self._outputs[position]
+        code = self._library.call(
+            'comedi_from_phys', float(volts[position]), line.range, line.maxdata
+        )
         self._library.checked(
             line.name, 'comedi_data_write', line.handle, line.subdevice, line.channel,
             line.range_index, REFERENCES['ground'], code,

@@ -12,9 +12,9 @@ An IIO output holds its last value for ever, as a comedi one does.
 
 import contextlib
 import math
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,13 +23,11 @@ from satvib_common.schema import Schema, param
 
 from satvib_daq_bridge.back_ends.base import (
     Array,
-    BackEnd,
     BackEndError,
-    Reading,
     missing_library,
     options_of,
 )
-from satvib_daq_bridge.back_ends.ticker import Ticker
+from satvib_daq_bridge.back_ends.polled import Polled
 from satvib_daq_bridge.channels import Channel, Channels
 
 
@@ -57,7 +55,7 @@ class _Line:
         self.raw.value = str(math.floor(volts / self.scale - self.offset + 0.5))
 
 
-class IioDevices(BackEnd):
+class IioDevices(Polled):
     """Devices of one IIO context."""
 
     def __init__(
@@ -76,7 +74,6 @@ class IioDevices(BackEnd):
         self._context: Any = None
         self._inputs: list[_Line] = []
         self._outputs: list[_Line] = []
-        self._ticker = Ticker(period)
 
     def open(self) -> str:
         """Find every channel; outputs first, at 0 V."""
@@ -89,6 +86,7 @@ class IioDevices(BackEnd):
             ) from None
         try:
             self._outputs = [self._find(n, c, output=True) for n, c in self.channels.outputs]
+            self.writers = [partial(self._put, i) for i in range(len(self._outputs))]
             self.write(np.zeros(len(self._outputs)), 0, False, 0.0)
             self._inputs = [self._find(n, c, output=False) for n, c in self.channels.inputs]
         except BackEndError as error:
@@ -99,51 +97,25 @@ class IioDevices(BackEnd):
     def start(self, now: float) -> None:
         """Begin to tick; from now on nothing may take long."""
         self._context.set_timeout(round(self.options.patience * 1e3))
-        self._ticker.start(now)
+        super().start(now)
 
-    def due(self) -> float:
-        """The next tick."""
-        return self._ticker.due()
-
-    def poll(self, now: float) -> list[Reading]:
-        """Read all inputs when it is time."""
-        tick = self._ticker.take(now)
-        if tick is None:
-            return []
-        index, when = tick
+    def read(self) -> Array:
+        """Read one input after the other."""
         volts = np.empty(len(self._inputs))
         for i, line in enumerate(self._inputs):
             with _told(line.name, 'read'):
                 volts[i] = line.volts()
-        return [Reading(index, when, volts, max(time.monotonic() - when, 0.0))]
-
-    def write(self, volts: Array, sequence: int, enable: bool, now: float) -> None:
-        """Write all outputs; one that fails does not keep the others from being written."""
-        del sequence, enable, now
-        failed: BackEndError | None = None
-        for line, value in zip(self._outputs, volts, strict=True):
-            try:
-                with _told(line.name, 'write'):
-                    line.set(float(value))
-            except BackEndError as error:
-                failed = failed or error
-        if failed is not None:
-            raise failed
-
-    def zero(self) -> None:
-        """Write 0 V to every output that was found."""
-        for line in self._outputs:
-            with contextlib.suppress(BackEndError), _told(line.name, 'write'):
-                line.set(0.0)
+        return volts
 
     def close(self) -> None:
         """Let go of the context."""
-        self._inputs, self._outputs = [], []
+        self._inputs, self._outputs, self.writers = [], [], []
         self._context = None
 
-    def figures(self) -> dict[str, float]:
-        """Ticks that were missed."""
-        return {'samples lost': float(self._ticker.lost)}
+    def _put(self, position: int, volts: Array) -> None:
+        line = self._outputs[position]
+        with _told(line.name, 'write'):
+            line.set(float(volts[position]))
 
     def _find(self, name: str, channel: Channel, output: bool) -> _Line:
         where = f'{self.channels.where}: {name}'

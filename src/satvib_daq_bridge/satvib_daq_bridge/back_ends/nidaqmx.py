@@ -9,9 +9,9 @@ comes after one that was killed finds its outputs again and puts them to 0 V.
 """
 
 import contextlib
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,14 +20,12 @@ from satvib_common.schema import Schema, param
 
 from satvib_daq_bridge.back_ends.base import (
     Array,
-    BackEnd,
     BackEndError,
-    Reading,
     by_device,
     missing_library,
     options_of,
 )
-from satvib_daq_bridge.back_ends.ticker import Ticker
+from satvib_daq_bridge.back_ends.polled import Polled
 from satvib_daq_bridge.channels import Channels
 
 _REFERENCES = ('default', 'rse', 'nrse', 'diff', 'pseudo_diff')
@@ -68,7 +66,7 @@ class _Task:
     transfer: Callable[[Array], Any]
 
 
-class NiBoards(BackEnd):
+class NiBoards(Polled):
     """One or more NI devices."""
 
     def __init__(
@@ -87,18 +85,18 @@ class NiBoards(BackEnd):
         self.options = options
         self._deadline = _Deadline(_SET_UP)
         self._channel = _connect(options.server, self._deadline) if options.server else None
-        self._readers: list[_Task] = []
-        self._writers: list[_Task] = []
-        self._ticker = Ticker(period)
+        self._input_tasks: list[_Task] = []
+        self._output_tasks: list[_Task] = []
 
     def open(self) -> str:
         """Make the tasks; outputs first, at 0 V."""
         try:
             for device, group in by_device(self.channels.outputs).items():
-                self._writers.append(self._writer(device, group))
+                self._output_tasks.append(self._writer(device, group))
+                self.writers.append(partial(self._put, self._output_tasks[-1]))
             self.write(np.zeros(len(self.channels.outputs)), 0, False, 0.0)
             for device, group in by_device(self.channels.inputs).items():
-                self._readers.append(self._reader(device, group))
+                self._input_tasks.append(self._reader(device, group))
         except BackEndError as error:
             raise SatvibError(str(error)) from None
         devices = sorted({c.device for _, c in (*self.channels.inputs, *self.channels.outputs)})
@@ -107,57 +105,30 @@ class NiBoards(BackEnd):
     def start(self, now: float) -> None:
         """Begin to tick; from now on nothing may take long."""
         self._deadline.seconds = self.options.patience
-        self._ticker.start(now)
+        super().start(now)
 
-    def due(self) -> float:
-        """The next tick."""
-        return self._ticker.due()
-
-    def poll(self, now: float) -> list[Reading]:
-        """Read all inputs when it is time."""
-        tick = self._ticker.take(now)
-        if tick is None:
-            return []
-        index, when = tick
+    def read(self) -> Array:
+        """Read one device after the other."""
         volts = np.empty(len(self.channels.inputs))
-        for reader in self._readers:
-            values = np.empty(len(reader.positions))
+        for made in self._input_tasks:
+            values = np.empty(len(made.positions))
             with self._told('read'):
-                reader.transfer(values)
-            volts[reader.positions] = values
-        return [Reading(index, when, volts, max(time.monotonic() - when, 0.0))]
-
-    def write(self, volts: Array, sequence: int, enable: bool, now: float) -> None:
-        """Write all outputs; a device that fails does not keep the others from being written."""
-        del sequence, enable, now
-        failed: BackEndError | None = None
-        for writer in self._writers:
-            try:
-                with self._told('write'):
-                    writer.transfer(np.ascontiguousarray(volts[writer.positions]))
-            except BackEndError as error:
-                failed = failed or error
-        if failed is not None:
-            raise failed
-
-    def zero(self) -> None:
-        """Write 0 V to every output."""
-        for writer in self._writers:
-            with contextlib.suppress(BackEndError), self._told('write'):
-                writer.transfer(np.zeros(len(writer.positions)))
+                made.transfer(values)
+            volts[made.positions] = values
+        return volts
 
     def close(self) -> None:
         """Clear the tasks."""
-        for made in (*self._readers, *self._writers):
+        for made in (*self._input_tasks, *self._output_tasks):
             with contextlib.suppress(BackEndError), self._told('close'):
                 made.task.close()
-        self._readers, self._writers = [], []
+        self._input_tasks, self._output_tasks, self.writers = [], [], []
         if self._channel is not None:
             self._channel.close()
 
-    def figures(self) -> dict[str, float]:
-        """Ticks that were missed."""
-        return {'samples lost': float(self._ticker.lost)}
+    def _put(self, made: _Task, volts: Array) -> None:
+        with self._told('write'):
+            made.transfer(np.ascontiguousarray(volts[made.positions]))
 
     def _reader(self, device: str, group: list[tuple[int, Any]]) -> _Task:
         constants = self._library.constants

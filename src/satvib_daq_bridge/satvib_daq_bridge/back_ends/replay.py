@@ -17,12 +17,11 @@ from satvib_common.schema import Schema, param
 
 from satvib_daq_bridge.back_ends.base import (
     Array,
-    BackEnd,
     EndOfRecordError,
     Reading,
     options_of,
 )
-from satvib_daq_bridge.back_ends.ticker import Ticker
+from satvib_daq_bridge.back_ends.paced import PACES, Paced
 from satvib_daq_bridge.channels import Channels
 from satvib_daq_bridge.record import read_bag, read_csv
 
@@ -35,60 +34,35 @@ class Options(Schema):
     unit: str = param('m/s^2', 'what a CSV holds', choices=('m/s^2', 'V'))
     columns: dict[str, Any] = param(dict, "CSV column by channel; left out: the channel's own name")
     rest: float = param(1.0, 'how long the rig is at rest at the beginning', unit='s', above=0.0)
-    pace: str = param('realtime', 'who keeps the time', choices=('realtime', 'lockstep'))
+    pace: str = param('realtime', 'who keeps the time', choices=PACES)
 
 
-class Replay(BackEnd):
+class Replay(Paced):
     """A record as a device."""
 
     def __init__(
         self, channels: Channels, period: float, lifetime: float, options: Options
     ) -> None:
-        super().__init__(channels, period, lifetime)
+        super().__init__(channels, period, lifetime, options.pace)
         self.options = options
-        self.virtual = options.pace == 'lockstep'
         self.volts = self._read()
         self._rest = max(round(options.rest / period), 1)
         if len(self.volts) < self._rest:
             raise SatvibError(
                 f'{options.file}: {len(self.volts)} samples are less than the {options.rest:g} s of rest'
             )
-        self._ticker = Ticker(period)
-        self._sequence = -1
         self._began = -1
-        self._run_begins = False
-        self._answered = True
 
     def open(self) -> str:
         """Say what is played."""
         return f'replay: {len(self.volts)} samples of {self.options.file}'
 
-    def start(self, now: float) -> None:
-        """Begin with the rest."""
-        self._ticker.start(now)
-
-    def begin_run(self) -> None:
-        """Let the next sample be the first row."""
-        self._run_begins = True
-
-    def due(self) -> float:
-        """When the next sample is."""
-        if self.virtual:
-            return 0.0 if self._answered else float('inf')
-        return self._ticker.due()
-
     def poll(self, now: float) -> list[Reading]:
         """Give the next row."""
-        if self.virtual:
-            if not self._answered:
-                return []
-            index, time, late = self._sequence + 1, (self._sequence + 1) * self.period, 0.0
-        else:
-            tick = self._ticker.take(now)
-            if tick is None:
-                return []
-            index, time = tick
-            late = now - time
+        due = self.next_sample(now)
+        if due is None:
+            return []
+        index, time, late = due
         self._sequence, self._answered = index, False
         if self._run_begins:
             self._run_begins, self._began = False, index
@@ -100,13 +74,10 @@ class Replay(BackEnd):
     def write(self, volts: Array, sequence: int, enable: bool, now: float) -> None:
         """Forget it; in lockstep the answer of the present sample lets the next one come."""
         del volts, enable, now
-        self._answered = self._answered or sequence == self._sequence
+        self.answer(sequence)
 
     def zero(self) -> None:
         """Do nothing: there are no outputs."""
-
-    def close(self) -> None:
-        """Do nothing: there is nothing to let go of."""
 
     def _read(self) -> Array:
         names = [name for name, _ in self.channels.inputs]
