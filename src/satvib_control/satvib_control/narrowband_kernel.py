@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """One sample of law narrowband: disturbance observer, tones, voltage, margin, back-off; see `narrowband`.
 
-The voltage of a tone is faded in over two wanted paces, so that a model with a wrong phase turns the tracked tone
-slowly. While a tone is being caught its frequency is in doubt by 3 / N rad, and where |G|^2 over that doubt is more
-in the mean than at the frequency, as beside a zero of the plant, G* / mean |G|^2 stands in the place of 1 / G.
+The voltage of a tone is faded in over two wanted paces, and slower after it did harm (`tone_watch`), so that a model
+with a wrong phase turns the tracked tone slowly. While a tone is being caught its frequency is in doubt by 3 / N rad,
+and where |G|^2 over that doubt is more in the mean than at the frequency, as beside a zero of the plant,
+G* / mean |G|^2 stands in the place of 1 / G.
 """
 
 import math
@@ -16,34 +17,30 @@ from satvib_common.kernel import kernel
 from satvib_control.tone_margin import respond, stretch
 from satvib_control.tone_search import HOPS_PER_WINDOW, search
 from satvib_control.tone_tracker import (
+    ACTIVE,
     FADE,
-    FIRST_HOLD,
+    FADED,
     HOLD,
     IM,
     MEMORY,
-    NEXT_HOLD,
     OMEGA,
     ON,
     PACE,
     POINTER,
-    POWER_U,
-    POWER_Y,
     RE,
     SEEN,
     SENSITIVITY,
-    SILENT,
     SLOW,
     STRETCH,
     TOP,
     TROUBLE,
-    USELESS,
     VOLTAGE,
     WANTED,
     correct,
     predict,
     prune,
 )  # fmt: skip
-from satvib_control.tone_watch import harmful, lost
+from satvib_control.tone_watch import held, lost
 
 # places in what the step shows
 SHOW_ERROR, SHOW_OMEGA, SHOW_VOLTS, SHOW_PEAK = range(4)
@@ -166,19 +163,14 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
             strongest = amplitude
             show[SHOW_OMEGA] = t[OMEGA]
     short = _share(volts, settings[VOLTAGE], share)
-    if valid and harmful(common, settings, y, d, act and common[HOLD] == 0.0):
-        common[HOLD] = max(common[NEXT_HOLD], settings[FIRST_HOLD])
-        common[NEXT_HOLD] = min(2.0 * common[HOLD], 60.0 * settings[FIRST_HOLD])
-        common[SLOW] = min(2.0 * common[SLOW], 8.0)
-        common[STRETCH] = max(common[STRETCH], common[SLOW])
-        for place in (USELESS, POWER_Y, POWER_U, SILENT):
-            common[place] = 0.0
-        for i in range(count):
-            tones[i, ON] = 0.0
-    if common[HOLD] > 0.0:
-        common[HOLD] = max(common[HOLD] - 1.0, 0.0)
-        act = False
-        show[SHOW_HELD] = 1.0
+    rest = common[HOLD] > 0.0
+    if valid:
+        rest, begins = held(common, settings, y, d, act)
+        if begins:
+            for i in range(count):
+                tones[i, ON] = 0.0
+    act = act and not rest
+    show[SHOW_HELD] = 1.0 if rest else 0.0
     u = 0.0
     for i in range(count):
         t = tones[i]
@@ -186,15 +178,18 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
             continue
         inverse[i] *= share[i]
         if act and t[PACE] > 0.0:
-            t[FADE] = min(t[FADE] + RAMP / settings[WANTED], 1.0)
+            t[FADE] = min(t[FADE] + RAMP / (settings[WANTED] * common[SLOW] ** 2), 1.0)
         elif not act:
             t[FADE] = 0.0
         u -= t[FADE] * (t[RE] * inverse[i].real - t[IM] * inverse[i].imag)
     if searched:
         stretch(tones, inverse, points, settings, common)
-    total = 0.0
+    total, most = 0.0, 0.0
     for i in range(count):
         total += volts[i] * share[i] * tones[i, FADE]
+        most = max(most, tones[i, FADE])
+    common[ACTIVE] = total
+    common[FADED] = most
     show[SHOW_ERROR] = e
     show[SHOW_VOLTS] = total
     show[SHOW_PEAK] = common[SENSITIVITY]
@@ -240,6 +235,9 @@ def narrowband_replay(  # type: ignore[no-untyped-def]  # noqa: ANN201
         if row[2] < 0.0 or follow < 0.0:
             continue
         if follow > 0.0:
+            c[ACTIVE] = abs(
+                row[1]
+            )  # nothing is learnt of the strut as it is at 0 V where it was not
             memory = (state, c, tones, rings, floor)
             one((b, a, s, points), memory, row[0], row[1], row[2] > 0.0, act, show)
         else:

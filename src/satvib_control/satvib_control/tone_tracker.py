@@ -44,8 +44,11 @@ SETTINGS = 9
 # places in the common memory
 POINTER, SEEN, STRETCH, HOPS, FRESH, TOP, SENSITIVITY = range(7)
 POWER_E, POWER_D, QUIET, TROUBLE = range(7, 11)
-POWER_Y, POWER_U, BASE, SILENT, USELESS, HOLD, NEXT_HOLD, SLOW = range(11, 19)
-COMMON = 19
+# of `tone_watch`: powers of y and of the voltage's effect; what is known of the strut at 0 V; suspicion; the hold
+LEVEL, HEARD, POWER_Y, POWER_U, RECENT = range(11, 16)
+BASE, REST, LEAST, SILENT, ACTIVE, FADED = range(16, 22)
+LOUD, USELESS, BEFORE, HOLD, EXTENDED, NEXT_HOLD, SLOW = range(22, 29)
+COMMON = 29
 
 ALARM = 24.0
 GROWTH = 0.4

