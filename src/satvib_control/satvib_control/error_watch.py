@@ -22,10 +22,11 @@ the residual being larger than ever without control and the voltage large enough
 of the watch time, for what grows grows quickly); or when more than a third of the last samples were cut by the guard,
 which is how a loop through a contaminated reference shows itself (x grows with y there). At an alarm the voltage fades
 out within a tenth of the watch time, the weights are forgotten, the pace of adaptation drops to a quarter, and the law
-listens anew, after a watch time in which the strut rings down: what rings is no measure of what passes. A law that has
-failed is believed less: after n alarms R^(1 / (n + 1)) over r_0 itself is enough for the next, and so are four watch
-times, on balance, in which the residual is not a decibel below r_0 <x^2>. The third alarm ends the matter: 0 V until a
-new model or a reset. Ten watch times in which it is, which no wrong path ever brings about, forgive one.
+listens anew, after a watch time in which the strut rings down: what rings is no measure of what passes, and neither is
+what other struts shake, so r_0 is then at most what it was before the first alarm. A law that has failed is believed
+less: after n alarms R^(1 / (n + 1)) over r_0 itself is enough for the next, and so are four watch times, on balance, in
+which the residual is not a decibel below r_0 <x^2>. The third alarm ends the matter: 0 V until a new model or a reset.
+Ten watch times in which it is, which no wrong path ever brings about, forgive one.
 """
 
 from satvib_common.kernel import kernel
@@ -34,10 +35,9 @@ LEARN, LISTEN, FADE, GIVEN_UP, RESTART = range(5)
 ALARMS = 3
 TRANSMISSION = 30.0
 # places in the memory
-ERROR, PASSIVE, REFERENCE, EFFECT, RAIL, BASE, HEARD, PACE, SHARE, COUNT, CLOCK, QUICK, USELESS = (
-    range(13)
-)
-SIZE = 13
+ERROR, PASSIVE, REFERENCE, EFFECT, RAIL, BASE, HEARD, PACE, SHARE, COUNT = range(10)
+CLOCK, QUICK, USELESS, PRIOR = range(10, 14)
+SIZE = 14
 
 
 @kernel(
@@ -56,7 +56,7 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
         valid: () bool; all of it was measured, and nothing but the law and the disturbance acts.
         acting: () bool; the law's voltage is let through in this phase.
         settings: (3) samples of the watch time, R, floor of the reference (m/s^2, RMS).
-        memory: (13) changed; the pace begins with 1, the rest with 0.
+        memory: (14) changed; the pace begins with 1, the rest with 0.
         verdict: () out: LEARN, LISTEN (learn, no voltage), FADE, RESTART (forget the weights) or GIVEN_UP.
         loud: () out: the reference is worth learning from.
     """
@@ -68,6 +68,8 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
         verdict[0] = FADE
         if memory[CLOCK] >= 0.0:
             verdict[0] = RESTART
+            if memory[PRIOR] == 0.0:
+                memory[PRIOR] = memory[BASE]
             for i in (
                 ERROR,
                 PASSIVE,
@@ -114,6 +116,8 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
             memory[HEARD] = min(memory[HEARD], 0.5 * window)  # silence tells nothing
         elif memory[HEARD] >= window and valid:
             memory[BASE] = max(memory[ERROR] / memory[REFERENCE], 1e-300)
+            if memory[PRIOR] > 0.0:
+                memory[BASE] = min(memory[BASE], memory[PRIOR])
             memory[CLOCK] = 0.0
         # nothing is learnt from the onset: the reference is there before its filtered twin
         loud[0] = loud[0] and memory[HEARD] >= 0.75 * window
@@ -132,6 +136,8 @@ def watch(error, reference, effect, cut, valid, acting, settings, memory, verdic
     if memory[CLOCK] >= 10.0 * window:
         memory[CLOCK] = 0.0
         memory[COUNT] = max(memory[COUNT] - 1.0, 0.0)
+        if memory[COUNT] == 0.0:
+            memory[PRIOR] = 0.0
         memory[PACE] = min(4.0 * memory[PACE], 1.0)
     growth = ratio ** (2.0 / (memory[COUNT] + 1.0))
     passive = max(memory[BASE], 1.0) if memory[COUNT] == 0.0 else memory[BASE]

@@ -162,10 +162,21 @@ def test_a_law_that_has_failed_rings_down_first_and_is_believed_less():
     assert judge(memory, 4.0, 1.0, count=50)[0] == LISTEN
     judge(memory, 1.0, 1.0, count=100)
     assert memory[BASE] == pytest.approx(1.0)
-    assert judge(memory.copy(), 1.6, 1.0, effect=3.0, count=300)[0] == LEARN
+    # for less than the four watch times after which it would be useless
+    assert judge(memory.copy(), 1.6, 1.0, effect=3.0, count=150)[0] == LEARN
     for _ in range(300):
         verdict = judge(memory, 2.0, 1.0, effect=3.0)[0]
         if verdict != LEARN:
             break
     assert verdict == FADE
     assert memory[COUNT] == 2.0
+
+
+def test_what_other_struts_shake_while_it_listens_anew_is_no_measure_of_what_passes():
+    """Truth: r_0 = 1 before the alarm; y = 3 x in the second listening is not believed, y = x / 2 is."""
+    for ratio, believed in ((3.0, 1.0), (0.5, 0.25)):
+        memory = heard()
+        while judge(memory, 4.0, 1.0, effect=3.0)[0] != RESTART:
+            pass
+        judge(memory, ratio, 1.0, count=105)
+        assert memory[BASE] == pytest.approx(believed)
