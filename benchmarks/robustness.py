@@ -52,17 +52,17 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
-def scenario_of(rig: str, law: str, seed: int) -> Scenario:
-    """A short form of the rig's scenario."""
+def scenario_of(rig: str, law: str, seed: int, end: float = END) -> Scenario:
+    """A short form of the rig's scenario, which ends after `end` seconds."""
     changes = [
         *RIGS[rig],
         PHASES,
-        f'duration={END}',
+        f'duration={end}',
         f'seed={seed}',
         f'controller.law={law}',
         'disturbance={kind: sine, frequency: 10.0, amplitude: 0.5, start: 4.5}',
         'analysis.uncontrolled=[5.5, 6.5]',
-        f'analysis.controlled=[10.5, {END}]',
+        f'analysis.controlled=[{end - 6.0}, {end}]',
     ]
     if law.startswith('velocity_feedback'):
         changes.append('controller.velocity_gain=2000.0')
@@ -130,17 +130,17 @@ class Outcome:
         )
 
 
-def run(rig: str, law: str, case: str, trials: int, first: int = 0) -> Outcome:
+def run(rig: str, law: str, case: str, trials: int, first: int = 0, end: float = END) -> Outcome:
     """Run trials `first` and following of one rig, law and case."""
     numbers = range(first, first + trials)
-    scenarios = [scenario_of(rig, law, seed) for seed in numbers]
+    scenarios = [scenario_of(rig, law, seed, end) for seed in numbers]
     loop = ClosedLoop(scenarios, [drawn_rig(rig, trial) for trial in numbers])
     if case == 'nominal':
         hand_over_always(loop, *nominal_model(rig, law))
     shape = (trials, loop.plant.struts)
     dt = loop.plant.dt
     true, seen = np.zeros((2, *shape)), np.zeros((2, *shape))
-    windows = ((5.5, 6.5), (END - 2.0, END))
+    windows = ((5.5, 6.5), (end - 2.0, end))
     backed = np.zeros(shape, dtype=bool)
     trusted = np.zeros(shape, dtype=bool)
     for step in loop.steps():
@@ -158,7 +158,9 @@ def run(rig: str, law: str, case: str, trials: int, first: int = 0) -> Outcome:
     return Outcome(gain, unstable, backed.any(axis=-1), trusted.all(axis=-1))
 
 
-def table(rigs: list[str], laws: list[str], cases: list[str], trials: int) -> Iterator[str]:
+def table(
+    rigs: list[str], laws: list[str], cases: list[str], numbers: range, end: float
+) -> Iterator[str]:
     """The lines of the table, batch by batch so that memory stays bounded."""
     yield (
         '| rig | law | model | trials | unstable | backed off | worse | 5 % below [dB] | median [dB] | '
@@ -169,8 +171,8 @@ def table(rigs: list[str], laws: list[str], cases: list[str], trials: int) -> It
         for law in laws:
             for case in cases:
                 parts = [
-                    run(rig, law, case, min(BATCH, trials - first), first)
-                    for first in range(0, trials, BATCH)
+                    run(rig, law, case, len(numbers[at : at + BATCH]), numbers[at], end)
+                    for at in range(0, len(numbers), BATCH)
                 ]
                 whole = Outcome(
                     *(
@@ -184,6 +186,8 @@ def table(rigs: list[str], laws: list[str], cases: list[str], trials: int) -> It
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--trials', type=int, default=200)
+    parser.add_argument('--first', type=int, default=0, help='number of the first trial')
+    parser.add_argument('--end', type=float, default=END, help='seconds; CONTROL begins at 6.5')
     parser.add_argument('--rigs', nargs='+', default=list(RIGS), choices=list(RIGS))
     parser.add_argument('--laws', nargs='+', default=list(LAWS))
     parser.add_argument(
@@ -192,7 +196,8 @@ def main() -> None:
     parser.add_argument('--page', type=Path, help='page with the mark <!-- table robustness -->')
     options = parser.parse_args()
     lines = []
-    for line in table(options.rigs, options.laws, options.cases, options.trials):
+    numbers = range(options.first, options.first + options.trials)
+    for line in table(options.rigs, options.laws, options.cases, numbers, options.end):
         print(line, flush=True)
         lines.append(line + '\n')
     if options.page is not None:

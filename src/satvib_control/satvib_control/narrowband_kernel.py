@@ -235,9 +235,9 @@ def narrowband_replay(  # type: ignore[no-untyped-def]  # noqa: ANN201
         if row[2] < 0.0 or follow < 0.0:
             continue
         if follow > 0.0:
-            c[ACTIVE] = abs(
-                row[1]
-            )  # nothing is learnt of the strut as it is at 0 V where it was not
+            c[ACTIVE] = (
+                1.0  # nothing is learnt there of the strut at 0 V: the others may have been excited
+            )
             memory = (state, c, tones, rings, floor)
             one((b, a, s, points), memory, row[0], row[1], row[2] > 0.0, act, show)
         else:

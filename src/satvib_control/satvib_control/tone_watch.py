@@ -20,7 +20,8 @@ The law then goes to 0 V for at least ten paces, rings down and listens. If the 
 slowly, and 1.4 base is enough for the next suspicion. If not, it listens twice as long again, for the growth may be the
 work of another strut that is about to give up as well, and then takes what it hears for its new base. The base is the
 least of a hold, not the last, for the same reason. Means are over a pace, in a hold over four. Success, y^2 below a
-tenth of base, shortens the next hold by an e-fold in 100 paces.
+tenth of base, shortens the next hold by an e-fold in 100 paces. A law that has to act before it has listened takes what
+it finds for its base, until the first hold.
 """
 
 import math
@@ -99,6 +100,8 @@ def held(common, settings, y, d, acting):  # type: ignore[no-untyped-def]  # noq
     if not acting or common[ACTIVE] == 0.0:
         common[LOUD], common[USELESS] = 0.0, 0.0
         return False, False
+    if common[BASE] == 0.0:
+        common[BASE] = common[LEVEL]
     loud, useless = _suspicious(common, settings[WANTED])
     if not (loud or useless):
         return False, False
