@@ -18,13 +18,12 @@ from typing import TYPE_CHECKING, Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
-from satvib_common.schema import Schema, load_yaml, param
+from satvib_common.schema import Schema, param
 from satvib_plant_sim.any_rig import AnyRig, load_any_rig, strut_count
 from satvib_plant_sim.failures import Failure, check_failures
 
 from satvib_bringup.centralized import centralized_parameters, take_gains
-from satvib_bringup.overrides import apply_overrides
-from satvib_bringup.settings import nearest, resolve_path
+from satvib_bringup.settings import load_settings, names_in, resolve_path, settings_path
 
 if TYPE_CHECKING:
     from satvib_control.parameters import ControllerParameters
@@ -188,7 +187,7 @@ class Scenario(Schema):
 
 def scenario_names() -> list[str]:
     """Names of the scenarios that come with the package."""
-    return sorted(path.stem for path in FOLDER.glob('*.yaml'))
+    return names_in(FOLDER)
 
 
 def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scenario:
@@ -202,10 +201,7 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
         SatvibError: no such scenario, or anything in it that is wrong.
     """
     path = scenario_path(name_or_path)
-    data = load_yaml(path)
-    if not isinstance(data, dict):
-        raise SatvibError(f'{path}: a mapping of keys is expected')
-    apply_overrides(data, overrides)
+    data = load_settings(path, overrides)
     take_gains(data, path)
     data.setdefault('name', path.stem)
     scenario = Scenario.from_mapping(data, str(path))
@@ -221,14 +217,7 @@ def scenario_path(name_or_path: str | Path) -> Path:
     Raises:
         SatvibError: neither a name of the package's nor a file.
     """
-    text = str(name_or_path)
-    if not text.endswith(('.yaml', '.yml')) and '/' not in text:
-        if text not in scenario_names():
-            raise SatvibError(
-                f'scenario {text!r}: no such scenario; {nearest(text, scenario_names())}'
-            )
-        return FOLDER / f'{text}.yaml'
-    return Path(text)
+    return settings_path('scenario', name_or_path, FOLDER)
 
 
 def check_scenario(scenario: Scenario, where: str) -> None:

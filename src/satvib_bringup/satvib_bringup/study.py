@@ -29,12 +29,11 @@ from typing import Any
 import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
-from satvib_common.schema import Schema, load_yaml, param
+from satvib_common.schema import Schema, param
 
-from satvib_bringup.overrides import apply_overrides
 from satvib_bringup.recording import Recording
 from satvib_bringup.scenario import Scenario, check_scenario
-from satvib_bringup.settings import nearest
+from satvib_bringup.settings import load_settings, names_in, nearest, settings_path
 
 FOLDER = Path(__file__).parent / 'studies'
 KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')
@@ -153,7 +152,7 @@ def merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
 
 def study_names() -> list[str]:
     """Names of the studies that come with the package."""
-    return sorted(path.stem for path in FOLDER.glob('*.yaml'))
+    return names_in(FOLDER)
 
 
 def load_study(name_or_path: str | Path, overrides: list[str] | None = None) -> Study:
@@ -166,18 +165,8 @@ def load_study(name_or_path: str | Path, overrides: list[str] | None = None) -> 
     Raises:
         SatvibError: no such study, or a wrong key in it.
     """
-    text = str(name_or_path)
-    if not text.endswith(('.yaml', '.yml')) and '/' not in text:
-        if text not in study_names():
-            raise SatvibError(f'study {text!r}: no such study; {nearest(text, study_names())}')
-        path = FOLDER / f'{text}.yaml'
-    else:
-        path = Path(text)
-    data = load_yaml(path)
-    if not isinstance(data, dict):
-        raise SatvibError(f'{path}: a mapping of keys is expected')
-    apply_overrides(data, overrides or [])
-    return Study.from_mapping(data, str(path))
+    path = settings_path('study', name_or_path, FOLDER)
+    return Study.from_mapping(load_settings(path, overrides or []), str(path))
 
 
 def run_cell(cell: Cell) -> dict[str, Any]:

@@ -17,12 +17,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from satvib_common.kernel import kernel
 from satvib_ident.iir_model import IirModel
 
-from satvib_control.polynomial import model_polynomials, multiply
+from satvib_control.polynomial import model_polynomials, multiply, respond
 
 Array = NDArray[np.float64]
 
@@ -44,18 +43,6 @@ class Margins:
     gain: Array
 
 
-@njit
-def _loop(w: Any, num: Any, den: Any) -> complex:
-    zi = complex(math.cos(w), -math.sin(w))
-    top = 0.0j
-    for i in range(num.shape[0] - 1, -1, -1):
-        top = top * zi + num[i]
-    bottom = 0.0j
-    for i in range(den.shape[0] - 1, -1, -1):
-        bottom = bottom * zi + den[i]
-    return top / bottom
-
-
 @kernel('void(f8[:],f8[:],f8[:],f8[:],f8[:],f8[:])', '(p),(r)->(),(),(),()')
 def _margins(num: Any, den: Any, modulus: Any, phase: Any, delay: Any, gain: Any) -> None:
     points = 4000
@@ -65,22 +52,22 @@ def _margins(num: Any, den: Any, modulus: Any, phase: Any, delay: Any, gain: Any
     phase[0] = np.inf
     delay[0] = np.inf
     gain[0] = np.inf
-    before = _loop(2.0 * math.pi * math.exp(start), num, den)
+    before = respond(num, den, 2.0 * math.pi * math.exp(start))
     for i in range(1, points):
         low, high = start + step * (i - 1), start + step * i
-        here = _loop(2.0 * math.pi * math.exp(high), num, den)
+        here = respond(num, den, 2.0 * math.pi * math.exp(high))
         modulus[0] = min(modulus[0], abs(1.0 + here))
         if (abs(before) - 1.0) * (abs(here) - 1.0) < 0.0:
             sign = abs(before) - 1.0
             a, b = low, high
             for _ in range(50):
                 middle = 0.5 * (a + b)
-                if (abs(_loop(2.0 * math.pi * math.exp(middle), num, den)) - 1.0) * sign > 0.0:
+                if (abs(respond(num, den, 2.0 * math.pi * math.exp(middle))) - 1.0) * sign > 0.0:
                     a = middle
                 else:
                     b = middle
             w = 2.0 * math.pi * math.exp(0.5 * (a + b))
-            crossing = _loop(w, num, den)
+            crossing = respond(num, den, w)
             angle = math.atan2(crossing.imag, crossing.real)
             phase[0] = min(phase[0], math.pi - abs(angle))
             delay[0] = min(delay[0], (angle + math.pi if angle > -math.pi else 2.0 * math.pi) / w)
@@ -89,16 +76,16 @@ def _margins(num: Any, den: Any, modulus: Any, phase: Any, delay: Any, gain: Any
             a, b = low, high
             for _ in range(50):
                 middle = 0.5 * (a + b)
-                if _loop(2.0 * math.pi * math.exp(middle), num, den).imag * sign > 0.0:
+                if respond(num, den, 2.0 * math.pi * math.exp(middle)).imag * sign > 0.0:
                     a = middle
                 else:
                     b = middle
-            crossing = _loop(2.0 * math.pi * math.exp(0.5 * (a + b)), num, den)
+            crossing = respond(num, den, 2.0 * math.pi * math.exp(0.5 * (a + b)))
             if crossing.real > -1.0:
                 gain[0] = min(gain[0], -1.0 / crossing.real)
         before = here
     # at half the sample rate L is real
-    last = _loop(math.pi, num, den).real
+    last = respond(num, den, math.pi).real
     if -1.0 < last < 0.0:
         gain[0] = min(gain[0], -1.0 / last)
 

@@ -14,7 +14,8 @@ import numpy as np
 from numba import njit
 from satvib_common.kernel import kernel
 
-from satvib_control.tone_margin import respond, stretch
+from satvib_control.polynomial import respond
+from satvib_control.tone_margin import stretch
 from satvib_control.tone_search import HOPS_PER_WINDOW, search
 from satvib_control.tone_tracker import (
     ACTIVE,

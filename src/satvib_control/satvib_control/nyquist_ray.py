@@ -16,6 +16,8 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from satvib_common.kernel import kernel
 
+from satvib_control.polynomial import ratio
+
 POINTS = 384
 
 
@@ -43,14 +45,7 @@ def ray_limit(gains: Any, grid: Any, margin: Any) -> float:
 def _response(num: Any, den: Any, cos: Any, sin: Any, real: Any, imag: Any) -> None:
     """num/den at the points of the unit circle."""
     for i in range(cos.shape[0]):
-        zi = complex(cos[i], -sin[i])
-        top = 0.0j
-        for j in range(num.shape[0] - 1, -1, -1):
-            top = top * zi + num[j]
-        bottom = 0.0j
-        for j in range(den.shape[0] - 1, -1, -1):
-            bottom = bottom * zi + den[j]
-        here = top / bottom
+        here = ratio(num, den, complex(cos[i], -sin[i]))
         real[i] = here.real
         imag[i] = here.imag
 

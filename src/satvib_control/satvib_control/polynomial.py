@@ -6,9 +6,11 @@ The model y(k) + a1 y(k-1) + ... = b1 u(k-delay) + ... is B(z)/A(z) with A = 1 +
 leading zeros of B. u(k) is computed from y(k), so the delay must be at least 1 for the loop to be causal.
 """
 
+import math
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from satvib_common.kernel import kernel
 from satvib_ident.iir_model import IirModel
@@ -55,6 +57,24 @@ def value(c: ArrayLike, zi: complex) -> complex:
     for coefficient in reversed(list(np.asarray(c, dtype=float))):
         total = total * zi + float(coefficient)
     return total
+
+
+@njit
+def ratio(b: Any, a: Any, zi: complex) -> complex:
+    """B/A at one z^-1, by Horner's rule, for kernels."""
+    top = 0.0j
+    for i in range(b.shape[0] - 1, -1, -1):
+        top = top * zi + b[i]
+    bottom = 0.0j
+    for i in range(a.shape[0] - 1, -1, -1):
+        bottom = bottom * zi + a[i]
+    return top / bottom
+
+
+@njit
+def respond(b: Any, a: Any, omega: float) -> complex:
+    """B/A at e^{j omega}, for kernels."""
+    return ratio(b, a, complex(math.cos(omega), -math.sin(omega)))
 
 
 @kernel('void(f8[:], f8[:])', '(n)->()')

@@ -1,18 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The state of a particle swarm in a file, so that a search that was interrupted goes on where it was.
-
-The file is written beside its place and then moved there: whoever is killed in between leaves the old one whole.
-"""
+"""The state of a particle swarm in a file, so that a search that was interrupted goes on where it was."""
 
 import json
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 from zipfile import BadZipFile
 
 import numpy as np
 from satvib_common.errors import SatvibError
+from satvib_common.whole_file import write_whole
 
 if TYPE_CHECKING:
     from satvib_control.particle_swarm import ParticleSwarm
@@ -38,16 +35,8 @@ def save(swarm: 'ParticleSwarm', path: Path) -> None:
     numbers = {name: float(getattr(swarm, name)) for name in _NUMBERS}
     about = json.dumps({'format': _FORMAT, 'search': _search(swarm), 'numbers': numbers})
     arrays = {name: getattr(swarm, name) for name in _ARRAYS}
-    beside = path.with_name(f'{path.name}.part')
-    try:
-        with beside.open('wb') as sink:
-            np.savez(sink, about=np.array(about), history=np.array(swarm.history), **arrays)
-            sink.flush()
-            os.fsync(sink.fileno())
-        beside.replace(path)
-    except OSError as error:
-        beside.unlink(missing_ok=True)
-        raise SatvibError(f'{path}: cannot be written: {error.strerror}') from None
+    arrays |= {'about': np.array(about), 'history': np.array(swarm.history)}
+    write_whole(path, lambda sink: np.savez(sink, allow_pickle=False, **arrays))
 
 
 def restore(swarm: 'ParticleSwarm', path: Path) -> None:

@@ -24,7 +24,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from satvib_control.polynomial import model_polynomials
+from satvib_control.polynomial import model_polynomials, respond
 from satvib_control.tone_tracker import (
     FADE,
     MEMORY,
@@ -43,19 +43,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 UNIFORM = 96
-
-
-@njit
-def respond(b, a, omega):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """B/A at e^{j omega}."""
-    zi = complex(math.cos(omega), -math.sin(omega))
-    top = 0.0j
-    for i in range(b.shape[0] - 1, -1, -1):
-        top = top * zi + b[i]
-    bottom = 0.0j
-    for i in range(a.shape[0] - 1, -1, -1):
-        bottom = bottom * zi + a[i]
-    return top / bottom
 
 
 @njit

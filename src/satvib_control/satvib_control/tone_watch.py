@@ -21,7 +21,7 @@ slowly, and 1.4 base is enough for the next suspicion. If not, it listens twice 
 work of another strut that is about to give up as well, and then takes what it hears for its new base. The base is the
 least of a hold, not the last, for the same reason. Means are over a pace, in a hold over four. Success, y^2 below a
 tenth of base, shortens the next hold by an e-fold in 100 paces. A law that has to act before it has listened takes what
-it finds for its base, until the first hold.
+it finds for its base until the first hold, which is then not prolonged.
 """
 
 import math
@@ -38,6 +38,7 @@ from satvib_control.tone_tracker import (
     FRESH,
     HEARD,
     HOLD,
+    KNOWN,
     LEAST,
     LEVEL,
     LOUD,
@@ -107,7 +108,8 @@ def held(common, settings, y, d, acting):  # type: ignore[no-untyped-def]  # noq
         return False, False
     common[BEFORE] = common[LEVEL] if loud else math.inf
     common[LEAST] = math.inf
-    common[LOUD], common[USELESS], common[EXTENDED] = 0.0, 0.0, 0.0
+    common[LOUD], common[USELESS] = 0.0, 0.0
+    common[EXTENDED] = 0.0 if common[KNOWN] > 0.0 else 1.0
     common[HOLD] = max(common[NEXT_HOLD], settings[FIRST_HOLD])
     return True, True
 
@@ -132,6 +134,7 @@ def _listen(common, settings, y, effect):  # type: ignore[no-untyped-def]  # noq
             common[LEAST] = min(common[LEAST], common[REST])
         else:
             common[BASE] += (common[LEVEL] - common[BASE]) / wanted
+            common[KNOWN] = 1.0
     elif common[ACTIVE] > 0.0 and common[LEVEL] < 0.1 * common[BASE]:
         common[NEXT_HOLD] = max(common[NEXT_HOLD] * (1.0 - 0.01 / wanted), settings[FIRST_HOLD])
 
@@ -160,6 +163,7 @@ def _suspicious(common, wanted):  # type: ignore[no-untyped-def]  # noqa: ANN001
 def _judge(common, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """At the end of a hold: was it the law, and what is the base."""
     first = settings[FIRST_HOLD]
+    common[KNOWN] = 1.0
     if common[LEAST] < 0.5 * common[BEFORE]:
         common[NEXT_HOLD] = min(4.0 * max(common[NEXT_HOLD], first), LONGEST_HOLD * first)
         common[SLOW] = min(2.0 * common[SLOW], 8.0)

@@ -7,8 +7,8 @@ import pytest
 import scipy.signal
 from satvib_common.phases import Phase
 from satvib_control.law import LawInput, make_law
-from satvib_control.polynomial import model_polynomials
-from satvib_control.tone_margin import largest_sensitivity, margin_grid, respond
+from satvib_control.polynomial import model_polynomials, respond
+from satvib_control.tone_margin import largest_sensitivity, margin_grid
 from satvib_ident.iir_model import IirModel
 
 from satvib_control import tone_tracker as tt

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from satvib_plant_sim.discretize import transition
 from satvib_plant_sim.response import state_space
 from satvib_plant_sim.rig import Rig
+from satvib_plant_sim.sampled import hold_taps
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -57,17 +57,7 @@ def sampled_rig(rig: Rig) -> SampledRig:
     n, T = rig.struts.count, rig.acquisition.period
     system = state_space(rig)
     A, B = system.A, system.B[:, :n]
-    late = math.floor(rig.acquisition.input_delay / T + 1e-9)
-    tau = max(rig.acquisition.input_delay - late * T, 0.0)
-    whole = transition(A, B, T)[0]
-    rest, G0, G1 = transition(A, B, T - tau)
-    _, P0, P1 = transition(A, B, tau)
-    P0, P1 = rest @ P0, rest @ P1
-    if rig.acquisition.hold == 'zero':
-        taps = [G0, P0]
-    else:
-        part = tau / T
-        taps = [G1 / T, G0 - G1 / T + (1.0 - part) * P0 + P1 / T, part * P0 - P1 / T]
+    whole, taps, late = hold_taps(A, B, rig.acquisition)
     return SampledRig(whole, np.stack(taps), system.C[n + 1 : 2 * n + 1], late, T)
 
 

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from satvib_plant_sim.discretize import transition
 from satvib_plant_sim.response import state_space
-from satvib_plant_sim.rig import Rig
+from satvib_plant_sim.rig import Acquisition, Rig
 
 Array = NDArray[np.float64]
 
@@ -85,6 +85,31 @@ class SampledModel:
         return np.asarray(a[1:]), b, self.late + 1
 
 
+def hold_taps(A: Array, B: Array, acquisition: Acquisition) -> tuple[Array, list[Array], int]:
+    """Sample x' = A x + B u behind the hold and the latency of the voltages.
+
+    Args:
+        A: (m, m).
+        B: (m, n).
+        acquisition: hold, latency and period.
+
+    Returns:
+        (m, m) transition over a period; the matrices (m, n) of u(k-D), u(k-D-1), ...; D, whole periods of latency.
+    """
+    T = acquisition.period
+    late = math.floor(acquisition.input_delay / T + 1e-9)
+    tau = max(acquisition.input_delay - late * T, 0.0)
+    whole = transition(A, B, T)[0]
+    rest, G0, G1 = transition(A, B, T - tau)
+    _, P0, P1 = transition(A, B, tau)
+    P0, P1 = rest @ P0, rest @ P1
+    if acquisition.hold == 'zero':
+        return whole, [G0, P0], late
+    # the old line's value at the start of the period is u_2 + (u_1 - u_2) (1 - tau / T)
+    part = tau / T
+    return whole, [G1 / T, G0 - G1 / T + (1.0 - part) * P0 + P1 / T, part * P0 - P1 / T], late
+
+
 def discrete_strut_model(rig: Rig, strut: int = 0) -> SampledModel:
     """Give the sampled model of one strut (0 is the first)."""
     n, T = rig.struts.count, rig.acquisition.period
@@ -94,16 +119,5 @@ def discrete_strut_model(rig: Rig, strut: int = 0) -> SampledModel:
     keep = np.concatenate([np.arange(3 * n + 2), own])
     A, b = system.A[np.ix_(keep, keep)], system.B[keep, strut : strut + 1]
     c = system.C[n + 1 + strut, keep]
-    late = math.floor(rig.acquisition.input_delay / T + 1e-9)
-    tau = max(rig.acquisition.input_delay - late * T, 0.0)
-    whole = transition(A, b, T)[0]
-    rest, G0, G1 = transition(A, b, T - tau)
-    _, P0, P1 = transition(A, b, tau)
-    P0, P1 = rest @ P0, rest @ P1
-    if rig.acquisition.hold == 'zero':
-        B = np.hstack([G0, P0])
-    else:
-        # the old line's value at the start of the period is u_2 + (u_1 - u_2) (1 - tau / T)
-        part = tau / T
-        B = np.hstack([G1 / T, G0 - G1 / T + (1.0 - part) * P0 + P1 / T, part * P0 - P1 / T])
-    return SampledModel(whole, B, c, late, T)
+    whole, taps, late = hold_taps(A, b, rig.acquisition)
+    return SampledModel(whole, np.hstack(taps), c, late, T)

@@ -25,11 +25,10 @@ from pathlib import Path
 from typing import Any
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import Schema, load_yaml, param
+from satvib_common.schema import Schema, param
 
 from satvib_bringup.campaign.distribution import Distribution
-from satvib_bringup.overrides import apply_overrides
-from satvib_bringup.settings import nearest, resolve_path
+from satvib_bringup.settings import load_settings, names_in, resolve_path, settings_path
 
 FOLDER = Path(__file__).parents[1] / 'campaigns'
 SAMPLINGS = ('latin_hypercube', 'sobol')
@@ -105,7 +104,7 @@ class Campaign(Schema):
 
 def campaign_names() -> list[str]:
     """Names of the campaigns that come with the package."""
-    return sorted(path.stem for path in FOLDER.glob('*.yaml'))
+    return names_in(FOLDER)
 
 
 def load_campaign(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Campaign:
@@ -118,19 +117,8 @@ def load_campaign(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Ca
     Raises:
         SatvibError: no such campaign, or anything in it that is wrong.
     """
-    text = str(name_or_path)
-    if not text.endswith(('.yaml', '.yml')) and '/' not in text:
-        if text not in campaign_names():
-            raise SatvibError(
-                f'campaign {text!r}: no such campaign; {nearest(text, campaign_names())}'
-            )
-        path = FOLDER / f'{text}.yaml'
-    else:
-        path = Path(text)
-    data = load_yaml(path)
-    if not isinstance(data, dict):
-        raise SatvibError(f'{path}: a mapping of keys is expected')
-    apply_overrides(data, overrides)
+    path = settings_path('campaign', name_or_path, FOLDER)
+    data = load_settings(path, overrides)
     data.setdefault('name', path.stem)
     campaign = Campaign.from_mapping(data, str(path))
     return campaign.replace(scenario=resolve_path(campaign.scenario, path.parent))

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 from satvib_common.errors import SatvibError
+from satvib_common.whole_file import write_whole
 
 from satvib_bringup.campaign.settings import Campaign
 from satvib_bringup.campaign.table import from_bytes, joined, to_bytes
@@ -72,7 +72,7 @@ class Store:
             'scenario': scenario.to_mapping(),
             'software': software,
         }
-        _write(folder / 'campaign.json', json.dumps(about, indent=1).encode() + b'\n')
+        _write_json(folder / 'campaign.json', about)
         return cls(folder)
 
     @property
@@ -97,7 +97,7 @@ class Store:
         path = self._path(index)
         try:
             path.parent.mkdir(exist_ok=True)
-            _write(path, data)
+            write_whole(path, lambda sink: sink.write(data))
             self._parts[f'{index:06d}'] = hashlib.sha256(data).hexdigest()
             self._write_manifest()
         except SatvibError:
@@ -115,7 +115,7 @@ class Store:
         about = {'digest': self.digest, 'parts': dict(sorted(self._parts.items()))}
         if self.result is not None:
             about['result'] = self.result
-        _write(self.folder / 'manifest.json', json.dumps(about, indent=1).encode() + b'\n')
+        _write_json(self.folder / 'manifest.json', about)
 
     def _read(self, path: Path, wanted: str, remedy: str) -> pa.Table:
         try:
@@ -157,7 +157,7 @@ class Store:
             return self._read(target, self.result, 'start a new campaign')
         data = to_bytes(joined([self._part(name) for name in sorted(self._parts)]))
         try:
-            _write(target, data)
+            write_whole(target, lambda sink: sink.write(data))
             self.result = hashlib.sha256(data).hexdigest()
             self._write_manifest()
         except SatvibError as error:
@@ -169,18 +169,8 @@ class Store:
         return from_bytes(data)
 
 
-def _write(path: Path, data: bytes) -> None:
-    """Write a file that appears whole or not at all."""
-    fresh = path.with_name(f'{path.name}.new')
-    try:
-        with fresh.open('wb') as sink:
-            sink.write(data)
-            sink.flush()
-            os.fsync(sink.fileno())
-        fresh.replace(path)
-    except OSError as error:
-        fresh.unlink(missing_ok=True)
-        raise SatvibError(f'{path}: cannot be written: {error.strerror}') from None
+def _write_json(path: Path, about: dict[str, Any]) -> None:
+    write_whole(path, lambda sink: sink.write(json.dumps(about, indent=1).encode() + b'\n'))
 
 
 def _load_json(path: Path) -> dict[str, Any]:
