@@ -15,6 +15,7 @@ import pyarrow as pa
 import yaml
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
+from satvib_common.whole_file import write_whole
 
 from satvib_bringup.campaign import figures as drawing
 from satvib_bringup.campaign.sensitivity import Sensitivity, ranking
@@ -126,21 +127,17 @@ def write_report(plan: TrialPlan, table: pa.Table, folder: Path) -> dict[str, An
         sections = _draw(plan, table, pictures)
         _put(folder / 'summary.json', json.dumps(summary, indent=1, allow_nan=False) + '\n')
         _put(folder / 'report.html', _page(plan, summary, sections))
-    except OSError as error:
+    except (OSError, SatvibError) as error:
+        why = getattr(error, 'strerror', None) or error
         raise SatvibError(
-            f'{folder}: the report cannot be written: {error.strerror}; the trials are in '
+            f'{folder}: the report cannot be written: {why}; the trials are in '
             f'{folder / "trials.parquet"}, try again with: ./satvib campaign --resume {folder}'
         ) from None
     return summary
 
 
 def _put(path: Path, text: str) -> None:
-    fresh = path.with_name(f'{path.name}.new')
-    try:
-        fresh.write_text(text, encoding='utf-8')
-        fresh.replace(path)
-    finally:
-        fresh.unlink(missing_ok=True)
+    write_whole(path, lambda sink: sink.write(text.encode()))
 
 
 def _draw(plan: TrialPlan, table: pa.Table, folder: Path) -> list[tuple[str, str, str]]:
