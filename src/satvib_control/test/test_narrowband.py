@@ -130,6 +130,17 @@ def test_a_model_of_the_wrong_sign_is_left_alone(make_isolator, make_loop, setti
     assert degrees == 90.0 or (u[800:] == 0.0).mean() > 0.5
 
 
+def test_a_voltage_that_never_arrives_is_taken_back(make_isolator, make_loop, settings):
+    """A coil that is open, or a board that has latched 0 V without telling. Truth: y = d whatever the voltage."""
+    rate, f = 200.0, 20.0
+    model = make_isolator(rate)
+    dead = IirModel(model.a, 0.0 * model.b, model.delay, model.dt)
+    p = settings(sample_rate=rate, law='narrowband', excitation_amplitude=0.0)
+    loop = make_loop(p, dead, plan_of(rate, end=40.0), (), model)
+    _, u = loop.run(8000, noisy(sines(rate, 40.0, f), 3))
+    assert (u[4000:] == 0.0).mean() > 0.5
+
+
 def test_bits_do_not_depend_on_the_batch(make_isolator, make_loop, settings):
     """Truth: the same strut alone. Exact."""
     rate = 100.0
