@@ -13,7 +13,7 @@ voltage is 0. Suspect is
 
     loud       y^2 > 2 base, the longer and the louder: five paces of it, less the more it is above,
     quick      y^2 > 4 base, and what the model thinks the voltage does is large enough to be the cause,
-    useless    y^2 > 0.5 base for 20 paces on balance.
+    useless    y^2 > 0.7 base for 20 paces on balance.
 
 The law then goes to 0 V for at least ten paces, rings down and listens. If the vibration falls by half it was guilty
 (useless always is): the next hold is four times as long, and it comes back twice as slow, fades in four times as
@@ -151,7 +151,7 @@ def _suspicious(common, wanted):  # type: ignore[no-untyped-def]  # noqa: ANN001
         common[POWER_Y] > 4.0 * max(base, common[RECENT])
         and common[POWER_U] > 0.25 * common[POWER_Y]
     )
-    if level > 0.5 * base and common[FADED] > 0.5:
+    if level > 0.7 * base and common[FADED] > 0.5:
         common[USELESS] += 1.0
     else:
         common[USELESS] = max(common[USELESS] - 4.0, 0.0)
