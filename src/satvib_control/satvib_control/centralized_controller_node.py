@@ -24,6 +24,9 @@ from satvib_msgs.msg import Schedule, StrutAcceleration
 class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
     """Controls all struts."""
 
+    stopped = 'every strut goes to 0 V from the next sample on, until reset'
+    nothing_yet = 'no acceleration of all struts yet'
+
     def __init__(self) -> None:
         super().__init__('centralized_controller', CentralizedParameters)
 

@@ -27,6 +27,9 @@ _STANDBY = PhasePlan((Phase.STANDBY,), (0,))
 class ControllerNode(SatvibNode[P]):
     """Controls one strut or all."""
 
+    stopped = '0 V from the next sample on, until reset'
+    nothing_yet = 'no acceleration yet'
+
     def serve(self, core: ControllerCore, struts: Sequence[tuple[Index, str]]) -> None:
         """Keep the core; make the messages that are refilled and their publishers.
 
@@ -78,7 +81,7 @@ class ControllerNode(SatvibNode[P]):
     def stop(self) -> str:
         """Latch 0 V."""
         self.core.stop()
-        return '0 V from the next sample on, until reset'
+        return self.stopped
 
     def reset(self) -> str:
         """Release faults."""
@@ -90,7 +93,7 @@ class ControllerNode(SatvibNode[P]):
         last, slowest = self.last, self.slowest
         self.slowest = 0.0
         if last is None:
-            return 'no acceleration yet', {'samples waiting': self.samples_waiting}
+            return self.nothing_yet, {'samples waiting': self.samples_waiting}
         told = {last.reason_text(place) for place in self.places} - {''}
         figures = {
             'sequence': last.sequence,
