@@ -275,3 +275,52 @@ def test_stop_and_reset(start, probe):
         found = answer(k)
         assert found.fault is fault
         assert (found.voltage == 0.0) is fault
+
+
+def test_a_node_tells_whom_it_has_found(start, probe):
+    """Truth: the probe's own reader and writer, one of each."""
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    from satvib_msgs.msg import StrutAcceleration, VcaVoltage
+
+    start(*CONTROLLER, '/strut_1')
+    arrays = probe.collect(DiagnosticArray, '/diagnostics')
+
+    def said(key):
+        return [
+            int(value.value)
+            for array in arrays
+            for value in array.status[0].values
+            if value.key == key
+        ][-1:]
+
+    heard, hears = 'readers of /strut_1/voltage', 'writers of /strut_1/acceleration'
+    probe.wait(lambda: said(heard) == said(hears) == [0])
+    probe.collect(VcaVoltage, '/strut_1/voltage')
+    probe.publisher(StrutAcceleration, '/strut_1/acceleration')
+    probe.wait(lambda: said(heard) == said(hears) == [1])
+
+
+def test_real_time_begins_when_all_have_found_one_another(start, probe):
+    """Truth: what a node says of itself. The runner's graph is complete, yet a node says that it hears nothing."""
+    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+    from satvib_bringup.graph import graph_of
+    from satvib_bringup.observer import Observer
+    from satvib_bringup.scenario import load_scenario
+
+    graph = graph_of(load_scenario('paper_1dof_10hz'), realtime=True)
+    with Observer(graph) as observer:
+        for process in graph.processes:
+            start(
+                process.package, process.executable, process.namespace,
+                **process.parameters, more=('-r', f'__node:={process.name}'),
+            )  # fmt: skip
+        probe.wait(lambda: not observer.missing())
+        deaf = DiagnosticStatus(
+            name='/strut_1/strut_controller',
+            values=[KeyValue(key='writers of /strut_1/acceleration', value='0')],
+        )
+        probe.publisher(DiagnosticArray, '/diagnostics').publish(DiagnosticArray(status=[deaf]))
+        lacking = ['strut_1/strut_controller without writers of /strut_1/acceleration']
+        probe.wait(lambda: observer.missing() == lacking)
+        probe.wait(lambda: not observer.missing())

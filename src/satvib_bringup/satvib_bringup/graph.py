@@ -99,6 +99,7 @@ class Graph:
         models: how many models a strut publishes.
         custom: texts for the bag: the scenario and the rig.
         deaths: sample and full name of each controller that is to be killed.
+        realtime: samples follow the clock; otherwise lockstep.
     """
 
     processes: tuple[Process, ...]
@@ -110,6 +111,7 @@ class Graph:
     models: int
     custom: Mapping[str, str]
     deaths: tuple[tuple[int, str], ...] = ()
+    realtime: bool = False
 
     def silenced(self) -> frozenset[str]:
         """Names of the struts whose controllers die in the run."""
@@ -201,7 +203,7 @@ def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None
     return Graph(
         tuple(processes), scenario.name, scenario.seed, 1.0 / rate, struts, plan,
         expected_models(plan, phases, identifier.model_period), custom,
-        _deaths(scenario, processes, rate, realtime),
+        _deaths(scenario, processes, rate, realtime), realtime,
     )  # fmt: skip
 
 

@@ -61,12 +61,17 @@ def complaint(
             found = report.get(topic, {'count': 0})
             if strut in silenced and name in _OF_THE_DEAD:
                 if not 0 < found['count'] <= count:
-                    return f'recording: {found["count"]} messages on {topic}, not 1 to {count}'
+                    return _miscounted(found, topic, f'1 to {count}')
                 continue
             if found['count'] != count:
-                return f'recording: {found["count"]} messages on {topic}, not {count}'
+                return _miscounted(found, topic, str(count))
             if count and name != 'identified_model' and (found['gaps'] or found['first'] != 0):
                 return f'recording: {topic} has gaps'
     if report.get('/schedule', {'count': 0})['count'] != 1:
         return 'recording: the schedule is not in it'
     return ''
+
+
+def _miscounted(found: dict[str, Any], topic: str, wanted: str) -> str:
+    span = f' (samples {found["first"]} to {found["last"]})' if found['count'] else ''
+    return f'recording: {found["count"]} messages on {topic}{span}, not {wanted}'

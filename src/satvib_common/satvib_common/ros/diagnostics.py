@@ -12,6 +12,10 @@ from rclpy.node import Node
 from satvib_common.ros.names import strut_of
 from satvib_common.ros.qos import offered
 
+# what a figure that counts a topic's other side begins with
+READERS_OF = 'readers of '
+WRITERS_OF = 'writers of '
+
 _LAST_WORDS = 0.5  # s, how long a reader may take to have the last message
 
 

@@ -27,7 +27,7 @@ from rclpy.timer import Timer
 from std_srvs.srv import Trigger
 
 from satvib_common.errors import RunError, SatvibError
-from satvib_common.ros.diagnostics import Diagnostics
+from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF, Diagnostics
 from satvib_common.ros.names import shared, strut_of
 from satvib_common.ros.parameters import NodeParameters
 from satvib_common.ros.qos import offered, overridable
@@ -320,8 +320,14 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
 
     def _report(self) -> None:
         complaint, figures = self.diagnose()
-        self._diagnostics.publish(self.active, complaint, figures)
+        self._diagnostics.publish(self.active, complaint, figures | self._company())
         tidy_memory()
+
+    def _company(self) -> dict[str, object]:
+        """Whom this node's own publishers and subscriptions have found, which the graph knows before them."""
+        readers = {READERS_OF + w.topic_name: w.get_subscription_count() for w in self._writers}
+        writers = {WRITERS_OF + r.topic_name: r.get_publisher_count() for r in self._readers}
+        return readers | writers
 
     def _settings_changed(self, parameters: P) -> None:
         if self.configured:
