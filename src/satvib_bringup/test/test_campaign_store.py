@@ -218,3 +218,20 @@ def test_a_bad_file_is_refused_in_one_line(tmp_path):
     done = satvib('campaign', file, '--folder', tmp_path / 'o')
     assert refused(done, 'nothing lies between', 'rig.payload.mass', str(file))
     assert not (tmp_path / 'o').exists()
+
+
+def test_reading_leaves_no_thread_behind():
+    """Truth: the kernel's list of threads. One of Arrow's that works when the process ends aborts it now and then."""
+    code = """
+import os, pyarrow
+from satvib_bringup.campaign.table import from_bytes, to_bytes
+data = to_bytes(pyarrow.table({name: [0.0] * 50000 for name in 'abcdefgh'}))
+before = len(os.listdir('/proc/self/task'))
+from_bytes(data)
+print(len(os.listdir('/proc/self/task')) - before)
+"""
+    env = os.environ | {'PYTHONPATH': os.pathsep.join(p for p in sys.path if p)}
+    done = subprocess.run(
+        [sys.executable, '-c', code], env=env, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == '0'
