@@ -149,6 +149,7 @@ class Probe:
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.clients: dict[str, Any] = {}
+        self.readers: dict[str, Any] = {}
 
     def close(self) -> None:
         import rclpy
@@ -163,11 +164,13 @@ class Probe:
         return self.node.create_publisher(kind, topic, offered())
 
     def collect(self, kind: Any, topic: str, whole: bool = True) -> list[Any]:
-        """A list that fills with the messages of a topic."""
+        """A list that fills with the messages of a topic, however long the test looks elsewhere."""
         from satvib_common.ros.qos import wanted
 
         found: list[Any] = []
-        self.node.create_subscription(kind, topic, found.append, wanted(whole))
+        self.readers[topic] = self.node.create_subscription(
+            kind, topic, found.append, wanted(whole, depth=20_000)
+        )
         return found
 
     def wait(self, condition: Callable[[], Any], limit: float = LIMIT) -> Any:

@@ -25,11 +25,14 @@ def test_robot_arm_live_equals_batch_least_squares(start, probe):
     found = {}
     for n in (2, 4, 6):
         strut = f'strut_{n}'
-        found[n] = probe.collect(IirParameters, f'/arm_{n}/{strut}/identified_model')
+        topic = f'/arm_{n}/{strut}/identified_model'
+        found[n] = probe.collect(IirParameters, topic)
         start(
             'satvib_ident', 'strut_identifier', f'/arm_{n}/{strut}', lockstep=True, delay=0,
             poles=n, coefficients=n + 1, bias='none',
         )  # fmt: skip
+        # the record is longer than what a writer keeps for readers that come late
+        probe.wait(lambda topic=topic: probe.readers[topic].get_publisher_count() == 1)
         start(
             'satvib_bringup', 'replay', f'/arm_{n}', file=str(RECORD), input='torque',
             output='acceleration', strut=strut,
