@@ -15,11 +15,12 @@ finds in d and `tone_tracker` follows. With x_i the tone i as a rotating complex
 
 At w_i the sensitivity is 0 for a wrong model too: there d = p - (rho - 1) x with rho = G_true / G, so the tracker
 sees x' = (p - rho x) / n, which is stable for phase errors below 90 degrees and, with the frequency loop around it,
-below 80.
+below 80; beyond them the first attempt fails, and teaches.
 
 Guarantees. max |S| on the model stays below 1 / modulus_margin (`tone_margin`). The amplitudes of the voltage
 together stay below voltage_limit, small demands met first, so the guard does not clip. A voltage that does harm, or
-for long no good, is taken back (`tone_watch`). Where no tone stands out of the noise the voltage is 0.
+for long no good, is taken back (`tone_watch`); what made it louder has shown how the plant answers at the tone, and
+the model is corrected there (`tone_response`). Where no tone stands out of the noise the voltage is 0.
 
 A model is run over the last seconds of the strut's past when it is handed over, so the tones are known before the
 first sample of CONTROL. In ADAPT the law listens at 0 V.
@@ -42,6 +43,7 @@ from satvib_control.law import Array, BasicLaw, LawInput, Mask
 from satvib_control.polynomial import model_polynomials
 from satvib_control.reasons import reason
 from satvib_control.tone_margin import margin_grid
+from satvib_control.tone_response import UNTAUGHT
 from satvib_control.tone_search import grid_size
 
 if TYPE_CHECKING:
@@ -52,6 +54,7 @@ if TYPE_CHECKING:
 NO_MODEL = reason('no trusted identified model: 0 V')
 NOTHING = reason('no tone stands out of the noise: 0 V')
 HELD = reason('a tone is left alone: its voltage did not calm it, so the model is wrong there')
+CORRECTED = reason('the model is corrected at the tone by what an attempt that failed has shown')
 LIMITED = reason('the voltage limit does not cancel all of the tones')
 SLOWED = reason('slowed down to keep the modulus margin')
 PAST = 4.0  # s of the past that a new model is run over
@@ -91,6 +94,7 @@ class Narrowband(BasicLaw):
         self._common = np.zeros((*shape, tt.COMMON))
         self._rings = np.zeros((*shape, 2, window))
         self._floor = np.zeros((*shape, 3, grid_size(low, high, window)))
+        self._lesson = np.tile(UNTAUGHT, (*shape, 1))
         self._show = np.zeros((*shape, nk.SHOW))
         self.reset()
         self._size(2, 1)
@@ -125,10 +129,11 @@ class Narrowband(BasicLaw):
         self._points[...] = np.where(pick[..., None], points, self._points)
         self._filter[...] = np.where(pick, 0.0, self._filter)
         self._common[..., tt.SLOW] = np.where(new, 1.0, self._common[..., tt.SLOW])
+        self._lesson[...] = np.where(pick, UNTAUGHT, self._lesson)
         follow = np.where(new, np.where(self._known, 0.0, 1.0), -1.0)
         nk.narrowband_replay(
             self._b, self._a, self._settings, self._points, self._filter, self._common,
-            self._tones, self._rings, self._floor, self._past, float(self._next), follow, self._show,
+            self._tones, self._rings, self._floor, self._lesson, self._past, float(self._next), follow, self._show,
         )  # fmt: skip
         self._known = self._known | new
 
@@ -140,7 +145,7 @@ class Narrowband(BasicLaw):
         act = (phase == Phase.CONTROL) & self._known
         u = nk.narrowband_step(
             self._b, self._a, self._settings, self._points, self._filter, self._common,
-            self._tones, self._rings, self._floor, x.upper, x.applied,
+            self._tones, self._rings, self._floor, self._lesson, x.upper, x.applied,
             np.where(self._known, np.where(x.valid, 1.0, 0.0), -1.0), np.where(act, 1.0, 0.0), self._show,
         )  # fmt: skip
         self._tell()
@@ -155,6 +160,7 @@ class Narrowband(BasicLaw):
         state.sensitivity = show[..., nk.SHOW_PEAK].copy()
         state.adapting = (show[..., nk.SHOW_MOVING] > 0.0) & self._known
         why = np.where(show[..., nk.SHOW_SLOW] > 0.0, SLOWED, 0)
+        why = np.where(np.any(self._lesson[..., :2] != UNTAUGHT[:2], axis=-1), CORRECTED, why)
         why = np.where(show[..., nk.SHOW_LIMITED] > 0.0, LIMITED, why)
         why = np.where(show[..., nk.SHOW_HELD] > 0.0, HELD, why)
         why = np.where(show[..., nk.SHOW_MOVING] > 0.0, why, NOTHING)
@@ -172,6 +178,7 @@ class Narrowband(BasicLaw):
         """Forget the tones and the noise; model and past stay."""
         pick = np.broadcast_to(np.asarray(mask), self.shape)[..., None]
         self._common[...] = np.where(pick, 0.0, self._common)
+        self._lesson[...] = np.where(pick, UNTAUGHT, self._lesson)
         for memory in (self._tones, self._rings, self._floor):
             memory[...] = np.where(pick[..., None], 0.0, memory)
         for place in (tt.STRETCH, tt.SLOW):

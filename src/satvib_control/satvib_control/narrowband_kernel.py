@@ -16,6 +16,7 @@ from satvib_common.kernel import kernel
 
 from satvib_control.polynomial import respond
 from satvib_control.tone_margin import stretch
+from satvib_control.tone_response import attend, conclude, corrected, correction, learn
 from satvib_control.tone_search import HOPS_PER_WINDOW, search
 from satvib_control.tone_tracker import (
     ACTIVE,
@@ -41,7 +42,7 @@ from satvib_control.tone_tracker import (
     predict,
     prune,
 )  # fmt: skip
-from satvib_control.tone_watch import held, lost
+from satvib_control.tone_watch import believe, held, lost
 
 # places in what the step shows
 SHOW_ERROR, SHOW_OMEGA, SHOW_VOLTS, SHOW_PEAK = range(4)
@@ -52,14 +53,14 @@ UNSURE = 3.0
 
 
 @njit
-def _observe(b, a, state, applied, y):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _observe(b, a, state, lesson, applied, y):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Give d = y - G u: step the model by the voltage of the sample before; its first coefficient is 0."""
     order = state.shape[0]
     out = state[0]
     for i in range(order - 1):
         state[i] = state[i + 1] + b[i + 1] * applied - a[i + 1] * out
     state[order - 1] = b[order] * applied - a[order] * out
-    return y - state[0]
+    return y - corrected(lesson, state[0])
 
 
 @njit
@@ -92,17 +93,22 @@ def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-
 
 
 @njit
-def _invert(b, a, t, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _respond(b, a, lesson, omega):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    return respond(b, a, omega) * correction(lesson, omega)
+
+
+@njit
+def _invert(b, a, lesson, t, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """What x is multiplied by: 1 / G, and while the tone is being caught G* / mean |G|^2 where that is less."""
-    response = respond(b, a, t[OMEGA])
+    response = _respond(b, a, lesson, t[OMEGA])
     power = abs(response) ** 2
     if power == 0.0:
         return 0.0j
     missing = 1.0 - t[MEMORY] / (6.0 * settings[WANTED])
     if missing > 0.0:
         doubt = UNSURE * missing / t[MEMORY]
-        below = abs(respond(b, a, max(t[OMEGA] - doubt, 0.0))) ** 2
-        above = abs(respond(b, a, min(t[OMEGA] + doubt, math.pi))) ** 2
+        below = abs(_respond(b, a, lesson, max(t[OMEGA] - doubt, 0.0))) ** 2
+        above = abs(_respond(b, a, lesson, min(t[OMEGA] + doubt, math.pi))) ** 2
         power = max(power, (below + power + above) / 3.0)
     return response.conjugate() / power
 
@@ -131,7 +137,7 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
 
     Args:
         design: b, a, settings, points of the margin.
-        memory: model's state, common, tones, rings, floor; changed.
+        memory: model's state, common, tones, rings, floor, lesson; changed.
         y: m/s^2.
         applied: V, between the sample before and this one.
         valid: y was measured.
@@ -139,9 +145,9 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
         show: changed.
     """
     b, a, settings, points = design
-    state, common, tones, rings, floor = memory
+    state, common, tones, rings, floor, lesson = memory
     count = tones.shape[0]
-    d = _observe(b, a, state, applied, y)
+    d = _observe(b, a, state, lesson, applied, y)
     e, searched = _track(settings, common, tones, rings, floor, d, valid)
     inverse = np.zeros(count, dtype=np.complex128)
     volts = np.zeros(count)
@@ -154,7 +160,7 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
         t = tones[i]
         if t[ON] == 0.0:
             continue
-        inverse[i] = _invert(b, a, t, settings)
+        inverse[i] = _invert(b, a, lesson, t, settings)
         if inverse[i] == 0.0:
             continue
         amplitude = math.sqrt(t[RE] * t[RE] + t[IM] * t[IM])
@@ -166,11 +172,17 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
     short = _share(volts, settings[VOLTAGE], share)
     rest = common[HOLD] > 0.0
     if valid:
-        rest, begins = held(common, settings, y, d, act)
+        rest, begins, guilty = held(common, settings, y, d, act)
         if begins:
             for i in range(count):
                 tones[i, ON] = 0.0
+        if guilty and conclude(lesson):
+            believe(common, settings)
     act = act and not rest
+    if act and strongest > 0.0 and common[ACTIVE] == 0.0:
+        attend(lesson, show[SHOW_OMEGA])
+    elif valid and act:
+        learn(lesson, settings, y, y - d)
     show[SHOW_HELD] = 1.0 if rest else 0.0
     u = 0.0
     for i in range(count):
@@ -184,11 +196,12 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
             t[FADE] = 0.0
         u -= t[FADE] * (t[RE] * inverse[i].real - t[IM] * inverse[i].imag)
     if searched:
-        stretch(tones, inverse, points, settings, common)
+        stretch(tones, inverse, points, lesson, settings, common)
     total, most = 0.0, 0.0
     for i in range(count):
         total += volts[i] * share[i] * tones[i, FADE]
-        most = max(most, tones[i, FADE])
+        if volts[i] > 0.0:
+            most = max(most, tones[i, FADE])
     common[ACTIVE] = total
     common[FADED] = most
     show[SHOW_ERROR] = e
@@ -199,27 +212,27 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
     return u
 
 
-# b, a, settings, points; model's state, common, tones, rings, floor
-ITEM = 'f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:,:], f8[:,:], f8[:,:]'
-LAYOUT = '(m),(m),(p),(q,r),(k),(c),(t,s),(z,w),(f,g)'
-WRITABLE = ('state', 'c', 'tones', 'rings', 'floor', 'show')
+# b, a, settings, points; model's state, common, tones, rings, floor, lesson
+ITEM = 'f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:,:], f8[:,:], f8[:,:], f8[:]'
+LAYOUT = '(m),(m),(p),(q,r),(k),(c),(t,s),(z,w),(f,g),(e)'
+WRITABLE = ('state', 'c', 'tones', 'rings', 'floor', 'lesson', 'show')
 
 
 @kernel(f'void({ITEM}, f8, f8, f8, f8, f8[:], f8[:])', f'{LAYOUT},(),(),(),(),(h)->()', WRITABLE)
 def narrowband_step(  # type: ignore[no-untyped-def]  # noqa: ANN201
-    b, a, s, points, state, c, tones, rings, floor, y, applied, valid, act, show, u,  # noqa: ANN001
+    b, a, s, points, state, c, tones, rings, floor, lesson, y, applied, valid, act, show, u,  # noqa: ANN001
 ):  # fmt: skip
     """Give the voltage of one sample; see `one`. `valid`: 1, 0, or -1 where there is no model: nothing is done."""
     if valid < 0.0:
         u[0] = 0.0
         return
-    memory = (state, c, tones, rings, floor)
+    memory = (state, c, tones, rings, floor, lesson)
     u[0] = one((b, a, s, points), memory, y, applied, valid > 0.0, act > 0.0, show)
 
 
 @kernel(f'void({ITEM}, f8[:,:], f8, f8, f8[:], f8[:])', f'{LAYOUT},(l,v),(),(),(h)->()', WRITABLE)
 def narrowband_replay(  # type: ignore[no-untyped-def]  # noqa: ANN201
-    b, a, s, points, state, c, tones, rings, floor, past, begin, follow, show, done,  # noqa: ANN001
+    b, a, s, points, state, c, tones, rings, floor, lesson, past, begin, follow, show, done,  # noqa: ANN001
 ):  # fmt: skip
     """Run over the past, whose oldest row is at `begin`.
 
@@ -239,8 +252,8 @@ def narrowband_replay(  # type: ignore[no-untyped-def]  # noqa: ANN201
             c[ACTIVE] = (
                 1.0  # nothing is learnt there of the strut at 0 V: the others may have been excited
             )
-            memory = (state, c, tones, rings, floor)
+            memory = (state, c, tones, rings, floor, lesson)
             one((b, a, s, points), memory, row[0], row[1], row[2] > 0.0, act, show)
         else:
-            _observe(b, a, state, row[1], row[0])
+            _observe(b, a, state, lesson, row[1], row[0])
         done[0] += 1.0

@@ -25,6 +25,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from satvib_control.polynomial import model_polynomials, respond
+from satvib_control.tone_response import correction
 from satvib_control.tone_tracker import (
     FADE,
     MEMORY,
@@ -46,7 +47,7 @@ UNIFORM = 96
 
 
 @njit
-def largest_sensitivity(tones, inverse, points):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def largest_sensitivity(tones, inverse, points, lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Max |S| over the points.
 
     Args:
@@ -77,14 +78,15 @@ def largest_sensitivity(tones, inverse, points):  # type: ignore[no-untyped-def]
                 top += g * (k * first + k.conjugate() * second)
             bottom += g * (first + second - 2.0)
         if not near:
-            worst = max(worst, abs(1.0 - complex(points[q, 1], points[q, 2]) * top / bottom))
+            response = complex(points[q, 1], points[q, 2]) * correction(lesson, omega)
+            worst = max(worst, abs(1.0 - response * top / bottom))
     return worst
 
 
 @njit
-def stretch(tones, inverse, points, settings, common):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def stretch(tones, inverse, points, lesson, settings, common):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Slow the tones down, or let them go again, so that max |S| stays below the limit."""
-    worst = largest_sensitivity(tones, inverse, points)
+    worst = largest_sensitivity(tones, inverse, points, lesson)
     common[SENSITIVITY] = worst
     limit = settings[PEAK]
     for i in range(tones.shape[0]):

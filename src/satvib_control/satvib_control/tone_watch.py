@@ -22,6 +22,9 @@ work of another strut that is about to give up as well, and then takes what it h
 least of a hold, not the last, for the same reason. Means are over a pace, in a hold over four. Success, y^2 below a
 tenth of base, shortens the next hold by an e-fold in 100 paces. A law that has to act before it has listened takes what
 it finds for its base until the first hold, which is then not prolonged.
+
+Where the attempt was loud and has shown what is wrong with the model (`tone_response`), the next hold is as the first
+again, and the law comes back four times as slow as it began: struts that learn at once disturb each other less so.
 """
 
 import math
@@ -64,6 +67,7 @@ GROWN, BELIEVED_LESS = 2.0, 1.4
 PATIENCE = 5.0  # paces
 RING_DOWN = 4.0  # paces at 0 V before anything is learnt of the strut
 LONGEST_HOLD = 600.0  # first holds
+CAREFUL = 4.0  # times slower with a corrected model
 
 
 @njit
@@ -83,7 +87,7 @@ def lost(common, settings, e, d):  # type: ignore[no-untyped-def]  # noqa: ANN00
 
 @njit
 def held(common, settings, y, d, acting):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """Whether the law has to be at 0 V, and whether that begins with this sample.
+    """Whether the law has to be at 0 V, whether that begins with this sample, and whether it proved to have been loud.
 
     Args:
         common: changed.
@@ -95,23 +99,29 @@ def held(common, settings, y, d, acting):  # type: ignore[no-untyped-def]  # noq
     _listen(common, settings, y, y - d)
     if common[HOLD] > 0.0:
         common[HOLD] -= 1.0
-        if common[HOLD] <= 0.0:
-            _judge(common, settings)
-        return common[HOLD] > 0.0, False
+        proved = common[HOLD] <= 0.0 and _judge(common, settings)
+        return common[HOLD] > 0.0, False, proved
     if not acting or common[ACTIVE] == 0.0:
         common[LOUD], common[USELESS] = 0.0, 0.0
-        return False, False
+        return False, False, False
     if common[BASE] == 0.0:
         common[BASE] = common[LEVEL]
     loud, useless = _suspicious(common, settings[WANTED])
     if not (loud or useless):
-        return False, False
+        return False, False, False
     common[BEFORE] = common[LEVEL] if loud else math.inf
     common[LEAST] = math.inf
     common[LOUD], common[USELESS] = 0.0, 0.0
     common[EXTENDED] = 0.0 if common[KNOWN] > 0.0 else 1.0
     common[HOLD] = max(common[NEXT_HOLD], settings[FIRST_HOLD])
-    return True, True
+    return True, True, False
+
+
+@njit
+def believe(common, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """The model was corrected after the verdict: the next hold is as the first, and it comes back slowly."""
+    common[NEXT_HOLD] = settings[FIRST_HOLD]
+    common[SLOW] = max(common[SLOW], CAREFUL)
 
 
 @njit
@@ -161,7 +171,7 @@ def _suspicious(common, wanted):  # type: ignore[no-untyped-def]  # noqa: ANN001
 
 @njit
 def _judge(common, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """At the end of a hold: was it the law, and what is the base."""
+    """At the end of a hold: was it the law, and what is the base; True: it was, and it had been loud."""
     first = settings[FIRST_HOLD]
     common[KNOWN] = 1.0
     if common[LEAST] < 0.5 * common[BEFORE]:
@@ -169,8 +179,10 @@ def _judge(common, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, A
         common[SLOW] = min(2.0 * common[SLOW], 8.0)
         common[STRETCH] = max(common[STRETCH], common[SLOW])
         common[BASE] = min(common[LEAST], common[BASE])
-    elif common[EXTENDED] == 0.0:
+        return common[BEFORE] < math.inf
+    if common[EXTENDED] == 0.0:
         common[EXTENDED] = 1.0
         common[HOLD] = 2.0 * first
     else:
         common[BASE] = common[LEAST]
+    return False

@@ -9,6 +9,7 @@ from satvib_common.phases import Phase
 from satvib_control.law import LawInput, make_law
 from satvib_control.polynomial import model_polynomials, respond
 from satvib_control.tone_margin import largest_sensitivity, margin_grid
+from satvib_control.tone_response import UNTAUGHT
 from satvib_ident.iir_model import IirModel
 
 from satvib_control import tone_tracker as tt
@@ -47,7 +48,7 @@ def test_sensitivity_equals_the_observer_s_own_response(frequencies):
     want = np.abs(1.0 - (grid[:, 1] + 1j * grid[:, 2]) * response).max()
     tones = np.zeros((len(omega), tt.TONE))
     tones[:, tt.OMEGA], tones[:, tt.ON], tones[:, tt.PACE], tones[:, tt.FADE] = omega, 1, pace, 1
-    assert largest_sensitivity(tones, inverse, grid) == pytest.approx(want, rel=1e-6)
+    assert largest_sensitivity(tones, inverse, grid, UNTAUGHT) == pytest.approx(want, rel=1e-6)
 
 
 def test_grid_holds_the_resonance():

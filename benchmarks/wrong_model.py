@@ -1,0 +1,129 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Law narrowband with a model whose phase at the tone is wrong: table and figure of docs/narrowband.md.
+
+    ./satvib shell
+    python benchmarks/wrong_model.py --page docs/narrowband.md --figures docs/figures
+
+One strut, 20 Hz of 2 m/s^2, offline twin, seeds 1 to 10. The model that the strut has identified is turned at the tone
+by a filter of two taps before the law gets it. Nothing tells the law.
+"""
+
+import argparse
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from numpy.typing import NDArray
+from satvib_bringup.closed_loop import ClosedLoop
+from satvib_bringup.scenario import load_scenario
+from satvib_bringup.study_table import fill
+from satvib_common.phases import Phase
+from satvib_control.tone_response import taps
+from satvib_ident.iir_model import IirModel
+from satvib_plant_sim.rig import load_rig
+
+Array = NDArray[np.float64]
+RIGS = ('paper_1dof', 'clean_1dof')
+DEGREES = (0, 30, 45, 60, 75, 90, 120, 150, 180)
+SHOWN = (0, 75, 120, 180)
+SEEDS = range(1, 11)
+FREQUENCY = 20.0
+BEGIN, END = 8.0, 20.0  # s: CONTROL
+SETTLED = 15.0
+
+
+def turned(model: IirModel, degrees: NDArray) -> IirModel:
+    """The model times a filter that turns it by degrees (items) at the tone and keeps its gain there."""
+    omega = 2.0 * np.pi * FREQUENCY * model.dt
+    b = [
+        [np.convolve(strut, taps(np.exp(1j * np.radians(angle)), omega)) for strut in item]
+        for item, angle in zip(model.b, degrees, strict=True)
+    ]
+    return IirModel(model.a, np.array(b), model.delay, model.dt)
+
+
+def run(rig: str) -> tuple[Array, Array, Array, float]:
+    """Run all phase errors and seeds; give truth and voltage (time, errors, seeds), times, period."""
+    scenario = 'paper_1dof_20hz_narrowband'
+    pairs = [(angle, seed) for angle in DEGREES for seed in SEEDS]
+    scenarios = [load_scenario(scenario, [f'rig={rig}', f'seed={seed}']) for _, seed in pairs]
+    loop = ClosedLoop(scenarios, [load_rig(rig)] * len(pairs))
+    take = loop.controller.set_model
+    degrees = np.array([float(angle) for angle, _ in pairs])
+
+    def hand_over(model: IirModel, trusted: Array, why: object, covariance: Array) -> None:
+        take(turned(model, degrees), trusted, why, covariance)
+
+    loop.controller.set_model = hand_over
+    y, u, t = [], [], []
+    for step in loop.steps():
+        if step.phase == Phase.CONTROL and not np.all(step.identification.converged):
+            raise SystemExit(f'{rig}: a model is not trusted: {step.identification.reasons}')
+        y.append(step.truth.upper[:, 0])
+        u.append(step.output.voltage[:, 0])
+        t.append(step.sequence * loop.plant.dt)
+    shape = (len(t), len(DEGREES), len(SEEDS))
+    fine = np.array(y).reshape(*shape, -1)
+    return fine, np.array(u).reshape(shape), np.array(t), loop.plant.dt
+
+
+def tone(y: Array, t: Array, dt: float) -> Array:
+    """Amplitude at the tone of the fine truth (time, ..., fine)."""
+    count = y.shape[-1]
+    times = t[:, None] + np.arange(count) * dt / count
+    turn = np.exp(-2j * np.pi * FREQUENCY * times).reshape(len(t), *([1] * (y.ndim - 2)), count)
+    return 2.0 * np.abs((y * turn).mean(axis=(0, -1)))
+
+
+def rows(rig: str, y: Array, u: Array, t: Array, dt: float) -> list[str]:
+    """The lines of the table."""
+    quiet, late = (t >= 5.0) & (t < BEGIN), t >= SETTLED
+    gain = 20.0 * np.log10(tone(y[late], t[late], dt) / tone(y[quiet], t[quiet], dt))
+    peak = np.abs(y[t >= BEGIN]).max(axis=(0, -1)) / np.abs(y[quiet]).max(axis=(0, -1))
+    pause = (u[t > BEGIN + 0.2] == 0.0).sum(axis=0) * dt
+    return [
+        f'| {rig} | {angle} | {np.median(gain[i]):.1f} | {gain[i].max():.1f} | {np.median(peak[i]):.2f} | '
+        f'{peak[i].max():.2f} | {np.median(pause[i]):.1f} | {pause[i].max():.1f} |'
+        for i, angle in enumerate(DEGREES)
+    ]
+
+
+def figure(y: Array, t: Array, path: Path) -> None:
+    """Envelopes of the first seed, some phase errors."""
+    plt.rcParams['svg.hashsalt'] = 'satvib'
+    drawing, axes = plt.subplots(figsize=(7.0, 3.2), layout='constrained')
+    window = 10
+    for angle in SHOWN:
+        level = np.sqrt((y[:, DEGREES.index(angle), 0] ** 2).mean(axis=-1))
+        smooth = np.sqrt(np.convolve(level**2, np.ones(window) / window, 'same'))
+        axes.semilogy(t, smooth, label=f'{angle} degrees', lw=1.2)
+    axes.axvline(BEGIN, color='0.6', lw=0.8)
+    axes.set(xlim=(6.0, 14.0), xlabel='time [s]', ylabel='true RMS over a period [m/s²]')
+    axes.grid(True, which='major', alpha=0.3)
+    axes.legend(title='the model is out by', loc='lower left')
+    drawing.savefig(path, dpi=150)
+    plt.close(drawing)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('--page', type=Path, help='page with the mark <!-- table wrong model -->')
+    parser.add_argument('--figures', type=Path, help='folder for the figure')
+    options = parser.parse_args()
+    lines = [
+        '| rig | out by [degrees] | tone, true [dB] | worst | largest, of open loop | worst | paused [s] | longest |',
+        '|---|---:|---:|---:|---:|---:|---:|---:|',
+    ]
+    for rig in RIGS:
+        y, u, t, dt = run(rig)
+        lines += rows(rig, y, u, t, dt)
+        if options.figures is not None and rig == RIGS[-1]:
+            figure(y, t, options.figures / 'narrowband_wrong_model.png')
+    print('\n'.join(lines))
+    if options.page is not None:
+        fill(options.page, {'table wrong model': ''.join(line + '\n' for line in lines)})
+
+
+if __name__ == '__main__':
+    main()
