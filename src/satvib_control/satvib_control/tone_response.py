@@ -3,18 +3,21 @@
 """What an attempt of law narrowband teaches about the plant at the tone.
 
 From the first voltage of an attempt on, y and v, the effect that the model believes in, are turned back by the tone's
-frequency of that moment, w, and smoothed over two paces:
+frequency of that moment, w, and smoothed over a pace:
 
     Y = D s + rho V,        s the smoothed 1,
 
 D being the tone without control and rho the true response over the believed one. Least squares with a memory of 20
 paces give both. v comes out of the model, so the dynamics of the plant are in V as they are in Y. When the attempt was
-taken back and found guilty (`tone_watch`), and V explains nine tenths of what D does not, the model is corrected by
-rho at w, with one coefficient more:
+taken back because it was loud and proved guilty (`tone_watch`), and V explains half of what D does not, the model is
+corrected by rho at w, with one coefficient more:
 
     G <- G (f_0 + f_1 z^-1),    f_1 = -Im rho / sin w,    f_0 = Re rho - f_1 cos w.
 
-An attempt at another frequency, a tenth away or more, begins with the model as it was.
+An attempt at another frequency, a third away or more, begins with the model as it was: right after a pause a frequency
+is not known any better. Smoothing over half a pace or four, asking for more than half, or a tenth in the place of the
+third left more of the drawn rigs without a lesson (benchmarks/robustness.py). What did nothing teaches nothing: there
+the drift of a frequency that is not quite known looks like an effect.
 """
 
 import math
@@ -31,10 +34,9 @@ SS, SV_RE, SV_IM, SY_RE, SY_IM, VV, VY_RE, VY_IM, YY = range(11, 20)
 LESSON = 20
 UNTAUGHT = np.eye(LESSON)[FIX_0]
 
-SMOOTH = 1.0
-REMEMBER = 20.0
+SMOOTH, REMEMBER = 1.0, 20.0  # paces
 EXPLAINED = 0.5
-LEAST, MOST = 0.2, 5.0
+LEAST, MOST = 0.2, 5.0  # size of the whole correction
 FAR = 0.3
 
 
@@ -101,7 +103,7 @@ def learn(lesson, settings, y, effect):  # type: ignore[no-untyped-def]  # noqa:
 
 @njit
 def _ratio(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """The true response over the believed one, and the share of Y beside D s that it explains."""
+    """The true response over the believed one, and how much it explains of what D s leaves of Y."""
     ss, vv, yy = lesson[SS], lesson[VV], lesson[YY]
     if ss == 0.0:
         return 1.0 + 0.0j, 0.0
@@ -119,12 +121,11 @@ def _ratio(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
 @njit
 def conclude(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """Correct the model by what the attempt taught, if it taught anything; whether it did."""
-    rho, share = _ratio(lesson)
-    size = abs(rho)
-    if share < EXPLAINED or size == 0.0:
+    ratio, share = _ratio(lesson)
+    if share < EXPLAINED:
         return False
     omega = lesson[OMEGA]
-    rho = rho * correction(lesson, omega)
+    rho = ratio * correction(lesson, omega)
     size = abs(rho)
     rho *= min(max(size, LEAST), MOST) / size
     lesson[FIX_0], lesson[FIX_1] = taps(rho, omega)
