@@ -301,6 +301,14 @@ def test_a_node_tells_whom_it_has_found(start, probe):
     probe.wait(lambda: said(heard) == said(hears) == [1])
 
 
+def start_process(start, process):
+    """Start one of a described graph."""
+    start(
+        process.package, process.executable, process.namespace,
+        **process.parameters, more=('-r', f'__node:={process.name}'),
+    )  # fmt: skip
+
+
 def test_real_time_begins_when_all_have_found_one_another(start, probe):
     """Truth: what a node says of itself. The runner's graph is complete, yet a node says that it hears nothing."""
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -311,10 +319,7 @@ def test_real_time_begins_when_all_have_found_one_another(start, probe):
     graph = graph_of(load_scenario('paper_1dof_10hz'), realtime=True)
     with Observer(graph) as observer:
         for process in graph.processes:
-            start(
-                process.package, process.executable, process.namespace,
-                **process.parameters, more=('-r', f'__node:={process.name}'),
-            )  # fmt: skip
+            start_process(start, process)
         probe.wait(lambda: not observer.missing())
         deaf = DiagnosticStatus(
             name='/strut_1/strut_controller',
@@ -324,3 +329,25 @@ def test_real_time_begins_when_all_have_found_one_another(start, probe):
         lacking = ['strut_1/strut_controller without writers of /strut_1/acceleration']
         probe.wait(lambda: observer.missing() == lacking)
         probe.wait(lambda: not observer.missing())
+
+
+def test_the_schedule_of_real_time_waits_for_who_comes_late(start, probe):
+    """Truth: the first hundred samples, one by one. The controller comes long after schedule and plant."""
+    from satvib_bringup.graph import Stage, graph_of
+    from satvib_bringup.scenario import load_scenario
+
+    from satvib_msgs.msg import VcaVoltage
+
+    graph = graph_of(load_scenario('paper_1dof_10hz'), realtime=True)
+    voltages = probe.collect(VcaVoltage, '/strut_1/voltage')
+    start('satvib_bringup', 'schedule', scenario='paper_1dof_10hz', realtime=True)
+    late = [process for process in graph.processes if process.stage == Stage.CONTROLLER]
+    for process in graph.processes:
+        if process not in late:
+            start_process(start, process)
+    there = {'schedule', 'plant_sim', 'strut_identifier'}
+    probe.wait(lambda: there <= set(probe.node.get_node_names()))
+    for process in late:
+        start_process(start, process)
+    probe.wait(lambda: len(voltages) >= 100)
+    assert [voltage.sequence for voltage in voltages[:100]] == list(range(100))

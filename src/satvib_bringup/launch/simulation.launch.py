@@ -45,9 +45,8 @@ def start_graph(context: LaunchContext) -> list[object]:
     value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     overrides = value['overrides'].split()
     bag = Path(value['bag']) if value['bag'] else None
-    graph = graph_of(
-        load_scenario(value['scenario'], overrides), value['realtime'].lower() == 'true', bag
-    )
+    realtime = value['realtime'].lower() == 'true'
+    graph = graph_of(load_scenario(value['scenario'], overrides), realtime, bag)
     profiles = 'FASTRTPS_DEFAULT_PROFILES_FILE'
     actions: list[object] = [SetEnvironmentVariable(profiles, graph_environment()[profiles])]
     for process in graph.processes:
@@ -63,7 +62,8 @@ def start_graph(context: LaunchContext) -> list[object]:
         if process.stage == Stage.SOURCE:
             over = EmitEvent(event=Shutdown(reason='the plant has ended'))
             actions.append(RegisterEventHandler(OnProcessExit(target_action=node, on_exit=[over])))
-    scenario = {'scenario': value['scenario']} | ({'overrides': overrides} if overrides else {})
+    scenario = {'scenario': value['scenario'], 'realtime': realtime, 'recorded': bag is not None}
+    scenario |= {'overrides': overrides} if overrides else {}
     actions.append(
         Node(
             package='satvib_bringup', executable='schedule', name='schedule', parameters=[scenario]

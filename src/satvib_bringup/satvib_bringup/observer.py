@@ -3,10 +3,6 @@
 """The runner's view of the live graph: who is there, where the run is, and the schedule that sets it going.
 
 The controllers' states are looked at a few times a second through readers of depth 1, whatever the rate of the loop.
-
-That a reader and a writer are both in the graph does not mean that they have found each other: on a busy machine that
-takes a second more. In lockstep nobody misses anything by it; in real time the first samples would be lost, so there
-every node must have said on /diagnostics that it has found the others.
 """
 
 import contextlib
@@ -18,16 +14,16 @@ from types import TracebackType
 from typing import Any, Self
 
 import rclpy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 from satvib_common.phases import Phase
-from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF
-from satvib_common.ros.qos import offered, wanted
+from satvib_common.ros.qos import offered
 
+from satvib_bringup.company import SAID, Company
 from satvib_bringup.graph import Graph
 from satvib_bringup.progress import Progress
 from satvib_bringup.schedule import schedule_message
@@ -39,10 +35,6 @@ _LATEST = QoSProfile(
     reliability=ReliabilityPolicy.BEST_EFFORT,
     durability=DurabilityPolicy.VOLATILE,
 )
-_OURS = frozenset({
-    'plant_sim', 'strut_controller', 'centralized_controller', 'strut_identifier', 'recorder',
-    'daq_bridge',
-})  # fmt: skip
 
 
 class Observer:
@@ -62,11 +54,11 @@ class Observer:
         self._schedule_out = self._node.create_publisher(Schedule, '/schedule', offered(1))
         self._states: dict[str, Any] = {}
         self._quiet = dict.fromkeys(graph.struts, math.nan)
-        self._company: dict[str, dict[str, str]] = {}
+        self._company = Company(graph, self._node, self._schedule_out)
         self._began = time.monotonic()
         if graph.realtime:
             self._diagnostics = self._node.create_subscription(
-                DiagnosticArray, '/diagnostics', self._on_diagnostics, wanted(whole=True, depth=100)
+                DiagnosticArray, '/diagnostics', self._company.hear, SAID
             )
         for strut in graph.struts:
             self._node.create_subscription(
@@ -94,58 +86,16 @@ class Observer:
 
     def nodes(self) -> Counter[str]:
         """Satvib nodes that are in this domain, by full name without the leading slash."""
-        return Counter(
-            f'{namespace}/{name}'.lstrip('/')
-            for name, namespace in self._node.get_node_names_and_namespaces()
-            if name in _OURS
-        )
+        return self._company.nodes()
 
     def strangers(self) -> list[str]:
         """Satvib nodes that are not of this graph, or there twice."""
-        own = Counter(process.full_name for process in self.graph.processes)
-        return sorted((self.nodes() - own).elements())
+        return self._company.strangers()
 
     def missing(self) -> list[str]:
-        """What is not there yet: nodes; then topics without writer or readers; then, in real time, who lacks whom."""
-        nodes = self.nodes()
-        if absent := [p.full_name for p in self.graph.processes if not nodes[p.full_name]]:
-            return absent
-        node = self._node
-        lonely = [
-            topic
-            for topic, readers in self.graph.readers().items()
-            if node.count_publishers(topic) < 1 or node.count_subscribers(topic) < readers
-        ]
-        return lonely if lonely or not self.graph.realtime else self._alone()
-
-    def _alone(self) -> list[str]:
-        """Nodes that have not said yet that they have found everyone, with what they lack."""
+        """What is not there yet."""
         self._spin(2 * len(self.graph.processes))
-        needed = {}
-        for topic, readers in self.graph.readers().items():
-            needed[READERS_OF + topic], needed[WRITERS_OF + topic] = readers, 1
-        found = []
-        for process in self.graph.processes:
-            said = self._company.get(process.full_name)
-            lacking = (
-                [key for key, count in said.items() if int(count) < needed.get(key, 0)]
-                if said
-                else ['diagnostics']
-            )
-            if lacking:
-                found.append(f'{process.full_name} without {lacking[0]}')
-        heard = self._schedule_out.get_subscription_count()
-        return found or ([] if heard >= self.graph.readers()['/schedule'] else ['/schedule'])
-
-    def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        for status in message.status:
-            if status.level == DiagnosticStatus.STALE:
-                continue
-            self._company[status.name.lstrip('/')] = {
-                pair.key: pair.value
-                for pair in status.values
-                if pair.key.startswith((READERS_OF, WRITERS_OF))
-            }
+        return self._company.missing()
 
     def _spin(self, times: int) -> None:
         for _ in range(times):
