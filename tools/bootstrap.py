@@ -305,8 +305,8 @@ def clean_environment() -> dict[str, str]:
     drop = {'COLCON_PREFIX_PATH', 'COLCON_CURRENT_PREFIX', 'VIRTUAL_ENV', 'PYTHONHOME'}
     env = {k: v for k, v in os.environ.items() if k not in drop}
     for key in ('AMENT_PREFIX_PATH', 'CMAKE_PREFIX_PATH', 'PYTHONPATH', 'LD_LIBRARY_PATH', 'PATH'):
-        # build, too: colcon puts the packages' sources on the path from there
-        own = (str(ROOT / 'install'), str(ROOT / 'build'))
+        # build, too: colcon puts the packages' sources on the path from there; and the prefix below the workspace
+        own = (str(ROOT / 'install'), str(ROOT / 'build'), str(VENV))
         parts = [p for p in env.get(key, '').split(':') if p and not p.startswith(own)]
         env.pop(key, None)
         if parts:
