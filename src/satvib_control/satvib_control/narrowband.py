@@ -43,7 +43,7 @@ from satvib_control.law import Array, BasicLaw, LawInput, Mask
 from satvib_control.polynomial import model_polynomials
 from satvib_control.reasons import reason
 from satvib_control.tone_margin import margin_grid
-from satvib_control.tone_response import UNTAUGHT
+from satvib_control.tone_response import FIXED_AT, UNTAUGHT
 from satvib_control.tone_search import grid_size
 
 if TYPE_CHECKING:
@@ -160,7 +160,7 @@ class Narrowband(BasicLaw):
         state.sensitivity = show[..., nk.SHOW_PEAK].copy()
         state.adapting = (show[..., nk.SHOW_MOVING] > 0.0) & self._known
         why = np.where(show[..., nk.SHOW_SLOW] > 0.0, SLOWED, 0)
-        why = np.where(np.any(self._lesson[..., :2] != UNTAUGHT[:2], axis=-1), CORRECTED, why)
+        why = np.where(self._lesson[..., FIXED_AT] > 0.0, CORRECTED, why)
         why = np.where(show[..., nk.SHOW_LIMITED] > 0.0, LIMITED, why)
         why = np.where(show[..., nk.SHOW_HELD] > 0.0, HELD, why)
         why = np.where(show[..., nk.SHOW_MOVING] > 0.0, why, NOTHING)
