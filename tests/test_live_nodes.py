@@ -5,6 +5,8 @@
 import itertools
 import math
 import signal
+import subprocess
+import sys
 
 CONTROLLER = ('satvib_control', 'strut_controller')
 IDENTIFIER = ('satvib_ident', 'strut_identifier')
@@ -119,6 +121,39 @@ def test_signals_end_every_node_cleanly(start, probe, tmp_path):
         assert process.wait() == 0, process.said
         assert 'Traceback' not in process.said
     assert (tmp_path / 'bag' / 'metadata.yaml').exists()
+
+
+IN_THE_LOCK = """
+import os, signal, sys
+from satvib_ident.strut_identifier_node import main
+def hook(frame, event, _):
+    names = [frame.f_code.co_name]
+    while frame.f_back and len(names) < 3:
+        frame = frame.f_back
+        names.append(frame.f_code.co_name)
+    if event == 'call' and names == ['_pending', 'add_done_callback', '_run']:
+        sys.setprofile(None)
+        print('in the lock', flush=True)
+        os.kill(os.getpid(), signal.SIGTERM)
+sys.setprofile(hook)
+sys.exit(main())
+"""
+
+
+def test_a_signal_ends_a_node_that_holds_a_lock(domain, tmp_path):  # noqa: ARG001
+    """Truth: the house rule. The signal comes while the main loop holds the lock of the future it is to wait for."""
+    from satvib_bringup.installed import graph_environment
+
+    done = subprocess.run(
+        [sys.executable, '-c', IN_THE_LOCK],
+        env=graph_environment(),
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, 'in the lock\n', '')
 
 
 def test_bad_parameters_are_one_line(start, tmp_path):

@@ -9,9 +9,9 @@ SIGTERM itself (also when a shell has set them to be ignored).
 """
 
 import contextlib
+import faulthandler
 import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Sequence
 from os import _exit
@@ -144,7 +144,6 @@ class _Signals:
             if number == signal.SIGINT:
                 _exit(130)
             return
-        watchdog = threading.Timer(_LAST_RESORT, _exit, (1,))
-        watchdog.daemon = True
-        watchdog.start()
-        self._node.finish()
+        # a thread of its own that needs neither the interpreter nor its locks, and says where the process stood
+        faulthandler.dump_traceback_later(_LAST_RESORT, exit=True)
+        self._node.interrupt()

@@ -189,6 +189,14 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
             self.last_line = line
             self.wake_up()
 
+    def interrupt(self) -> None:
+        """End the process, asked by a signal: the main loop sees it at the end of its slice.
+
+        A signal's handler runs between two instructions of the main thread, which may hold the lock of the very future
+        that `wake_up` would set.
+        """
+        self.ended = True
+
     def wake_up(self) -> None:
         """Let the main loop call `tick` without waiting any longer."""
         if not self.wake.done():
