@@ -112,10 +112,11 @@ def _collect(bag: Path, reader: AnyReader, custom: dict[str, str]) -> Recording:
     last = max(m.sequence for s in struts for m in measured[s])
     sequence = np.arange(first, last + 1, dtype=np.int64)
     counts: Counter[str] = Counter()
-    groups = {
-        group: _group([by_strut.get(s, []) for s in struts], first, len(sequence), group, counts)
-        for group, by_strut in found.items()
-    }
+    groups = {}
+    for group, by_strut in found.items():
+        columns = [by_strut.get(s, []) for s in struts]
+        if arrays := _group(columns, first, len(sequence), group, counts):
+            groups[group] = arrays
     stamp = np.zeros(len(sequence), dtype=np.int64)
     for message in measured[struts[0]]:
         nanoseconds = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
@@ -180,27 +181,35 @@ def _messages(reader: AnyReader, kind: str) -> Iterator[tuple[str, Any]]:
 def _group(
     by_strut: list[list[Any]], first: int, count: int, group: str, counts: Counter[str]
 ) -> Group:
-    """Turn the struts' messages of one type into arrays by sample."""
+    """Turn the struts' messages of one type into arrays by sample; none when no message is of a recorded sample.
+
+    Of a recorder that was killed the topics end at different samples: some of its messages are of samples whose
+    accelerations are not in the bag.
+    """
     present = np.zeros((count, len(by_strut)), dtype=bool)
     names: list[str] = []
     kept: list[list[Any]] = []
     rows: list[NDArray[np.int64]] = []
     for strut, messages in enumerate(by_strut):
-        inside = {m.sequence - first: m for m in messages if 0 <= m.sequence - first < count}
-        counts[f'{group}_repeated'] += len(messages) - len(inside)
-        order = sorted(inside)
+        inside = [m for m in messages if 0 <= m.sequence - first < count]
+        by_row = {m.sequence - first: m for m in inside}
+        counts[f'{group}_repeated'] += len(inside) - len(by_row)
+        counts[f'{group}_outside_of_the_recording'] += len(messages) - len(inside)
+        order = sorted(by_row)
         rows.append(np.array(order, dtype=np.int64))
-        kept.append([inside[k] for k in order])
+        kept.append([by_row[k] for k in order])
         present[rows[-1], strut] = True
-        if messages and not names:
-            names = [f.name for f in dataclasses.fields(messages[0]) if f.name not in _SKIPPED]
+        if inside and not names:
+            names = [f.name for f in dataclasses.fields(inside[0]) if f.name not in _SKIPPED]
             names = [n for n in names if not n.startswith('_')]
+    if not names:
+        return {}
     result: Group = {
         name: _array([[getattr(m, name) for m in messages] for messages in kept], rows, count)
         for name in names
     }
     result['present'] = present
-    return {k: v for k, v in result.items() if v is not None}
+    return result
 
 
 def _array(values: list[list[Any]], rows: list[NDArray[np.int64]], count: int) -> NDArray[Any]:

@@ -70,6 +70,20 @@ def test_a_bag_that_begins_late_keeps_its_sequence(quick_run, bag_writer, tmp_pa
     assert back.time[0] == pytest.approx(1.5)
 
 
+def test_messages_of_samples_that_were_not_recorded_are_counted(quick_run, bag_writer, tmp_path):
+    """As a killed recorder leaves them. Truth: by hand; the only models are of a sample after the last acceleration."""
+    model = np.flatnonzero(quick_run.get('model', 'present').any(axis=1))[-1]
+
+    def keep(group, _strut, k):
+        return k == model if group == 'model' else k < model
+
+    back = read_recording(bag_writer(quick_run, tmp_path / 'torn', keep=keep))
+    assert len(back.sequence) == model
+    assert not back.has('model')
+    assert back.counts['model_outside_of_the_recording'] == 3
+    assert back.counts['model_repeated'] == 0
+
+
 def test_a_bag_without_the_topics_is_refused(quick_run, bag_writer, tmp_path):
     """Truth: only voltages were written; the message names what is missing and what is there."""
     bag = bag_writer(quick_run, tmp_path / 'other', groups=('voltage',))
