@@ -25,7 +25,7 @@ from satvib_plant_sim.rig import load_rig
 
 Array = NDArray[np.float64]
 RIGS = ('paper_1dof', 'clean_1dof')
-DEGREES = (0, 30, 45, 60, 75, 90, 120, 150, 180)
+DEGREES = (0, 30, 60, 66, 69, 72, 75, 78, 81, 85, 90, 120, 150, 180)
 SHOWN = (0, 75, 120, 180)
 SEEDS = range(1, 11)
 FREQUENCY = 20.0

@@ -15,7 +15,7 @@ finds in d and `tone_tracker` follows. With x_i the tone i as a rotating complex
 
 At w_i the sensitivity is 0 for a wrong model too: there d = p - (rho - 1) x with rho = G_true / G, so the tracker
 sees x' = (p - rho x) / n, which is stable for phase errors below 90 degrees and, with the frequency loop around it,
-below 80; beyond them the first attempt fails, and teaches.
+below some 67; beyond them the first attempt fails, and teaches.
 
 Guarantees. max |S| on the model stays below 1 / modulus_margin (`tone_margin`). The amplitudes of the voltage
 together stay below voltage_limit, small demands met first, so the guard does not clip. A voltage that does harm, or

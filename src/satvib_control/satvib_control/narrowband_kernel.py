@@ -16,7 +16,15 @@ from satvib_common.kernel import kernel
 
 from satvib_control.polynomial import respond
 from satvib_control.tone_margin import stretch
-from satvib_control.tone_response import attend, conclude, corrected, correction, learn
+from satvib_control.tone_response import (
+    attend,
+    conclude,
+    corrected,
+    correction,
+    fresh,
+    learn,
+    turned,
+)
 from satvib_control.tone_search import HOPS_PER_WINDOW, search
 from satvib_control.tone_tracker import (
     ACTIVE,
@@ -32,6 +40,7 @@ from satvib_control.tone_tracker import (
     RE,
     SEEN,
     SENSITIVITY,
+    SILENT,
     SLOW,
     STRETCH,
     TOP,
@@ -42,7 +51,7 @@ from satvib_control.tone_tracker import (
     predict,
     prune,
 )  # fmt: skip
-from satvib_control.tone_watch import believe, held, lost
+from satvib_control.tone_watch import RING_DOWN, believe, held, lost
 
 # places in what the step shows
 SHOW_ERROR, SHOW_OMEGA, SHOW_VOLTS, SHOW_PEAK = range(4)
@@ -70,7 +79,7 @@ def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-
     step = math.pi / window
     expected = predict(tones)
     if not valid:
-        return 0.0, False
+        return 0.0, False, False
     e = d - expected
     correct(tones, settings, common, floor[0], step, e)
     pointer = int(common[POINTER])
@@ -78,7 +87,8 @@ def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-
     rings[1, pointer] = d
     common[POINTER] = float((pointer + 1) % window)
     common[SEEN] += 1.0
-    if lost(common, settings, e, d):
+    seeks = lost(common, settings, e, d)
+    if seeks:
         common[TROUBLE] = 0.0
         common[TOP] = 0.0
         rings[0, :] = rings[1, :]
@@ -88,8 +98,8 @@ def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-
     if common[SEEN] >= window and int(common[SEEN]) % hop == 0:
         prune(tones, settings, floor[0], step, window)
         search(tones, settings, common, rings[0], floor, step)
-        return e, True
-    return e, False
+        return e, True, seeks
+    return e, False, seeks
 
 
 @njit
@@ -148,7 +158,7 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
     state, common, tones, rings, floor, lesson = memory
     count = tones.shape[0]
     d = _observe(b, a, state, lesson, applied, y)
-    e, searched = _track(settings, common, tones, rings, floor, d, valid)
+    e, searched, seeks = _track(settings, common, tones, rings, floor, d, valid)
     inverse = np.zeros(count, dtype=np.complex128)
     volts = np.zeros(count)
     share = np.zeros(count)
@@ -172,17 +182,18 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
     short = _share(volts, settings[VOLTAGE], share)
     rest = common[HOLD] > 0.0
     if valid:
-        rest, begins, guilty = held(common, settings, y, d, act)
+        rest, begins, guilty = held(common, settings, y, d, act, seeks and turned(lesson))
         if begins:
             for i in range(count):
                 tones[i, ON] = 0.0
         if guilty and conclude(lesson):
             believe(common, settings)
     act = act and not rest
-    if act and strongest > 0.0 and common[ACTIVE] == 0.0:
+    anew = fresh(lesson) or common[SILENT] > RING_DOWN * settings[WANTED]
+    if act and strongest > 0.0 and anew:
         attend(lesson, show[SHOW_OMEGA])
     elif valid and act:
-        learn(lesson, settings, y, y - d)
+        learn(lesson, settings, show[SHOW_OMEGA], y, y - d)
     show[SHOW_HELD] = 1.0 if rest else 0.0
     u = 0.0
     for i in range(count):

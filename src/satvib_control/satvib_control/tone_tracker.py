@@ -47,8 +47,8 @@ POWER_E, POWER_D, QUIET, TROUBLE = range(7, 11)
 # of `tone_watch`: powers of y and of the voltage's effect; what is known of the strut at 0 V; suspicion; the hold
 LEVEL, HEARD, POWER_Y, POWER_U, RECENT = range(11, 16)
 BASE, KNOWN, REST, LEAST, SILENT, ACTIVE, FADED = range(16, 23)
-LOUD, USELESS, BEFORE, HOLD, EXTENDED, NEXT_HOLD, SLOW = range(23, 30)
-COMMON = 30
+LOUD, USELESS, BEFORE, HOLD, EXTENDED, NEXT_HOLD, SLOW, TELLING = range(23, 31)
+COMMON = 31
 
 ALARM = 24.0
 GROWTH = 0.4

@@ -13,18 +13,20 @@ voltage is 0. Suspect is
 
     loud       y^2 > 2 base, the longer and the louder: five paces of it, less the more it is above,
     quick      y^2 > 4 base, and what the model thinks the voltage does is large enough to be the cause,
-    useless    y^2 > 0.7 base for 20 paces on balance.
+    useless    y^2 > 0.7 base for 20 paces on balance,
+    astray     the tracker is lost, and the attempt shows clearly that the model is turned.
 
 The law then goes to 0 V for at least ten paces, rings down and listens. If the vibration falls by half it was guilty
-(useless always is): the next hold is four times as long, and it comes back twice as slow, fades in four times as
-slowly, and 1.4 base is enough for the next suspicion. If not, it listens twice as long again, for the growth may be the
-work of another strut that is about to give up as well, and then takes what it hears for its new base. The base is the
-least of a hold, not the last, for the same reason. Means are over a pace, in a hold over four. Success, y^2 below a
-tenth of base, shortens the next hold by an e-fold in 100 paces. A law that has to act before it has listened takes what
-it finds for its base until the first hold, which is then not prolonged.
+(useless and astray always are): the next hold is four times as long, and it comes back twice as slow, fades in four
+times as slowly, and 1.4 base is enough for the next suspicion. If not, it listens twice as long again, for the growth
+may be the work of another strut that is about to give up as well, and then takes what it hears for its new base. The
+base is the least of a hold, not the last, for the same reason. Means are over a pace, in a hold over four. Success, y^2
+below a tenth of base, shortens the next hold by an e-fold in 100 paces. A law that has to act before it has listened
+takes what it finds for its base until the first hold, which is then not prolonged.
 
-Where the attempt was loud and has shown what is wrong with the model (`tone_response`), the next hold is as the first
-again, and the law comes back four times as slow as it began: struts that learn at once disturb each other less so.
+Where the attempt was loud or astray and has shown what is wrong with the model (`tone_response`), the next hold is as
+the first again, and the law comes back four times as slow as it began: struts that learn at once disturb each other
+less so.
 """
 
 import math
@@ -57,6 +59,7 @@ from satvib_control.tone_tracker import (
     SILENT,
     SLOW,
     STRETCH,
+    TELLING,
     TROUBLE,
     USELESS,
     WANTED,
@@ -86,8 +89,8 @@ def lost(common, settings, e, d):  # type: ignore[no-untyped-def]  # noqa: ANN00
 
 
 @njit
-def held(common, settings, y, d, acting):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """Whether the law has to be at 0 V, whether that begins with this sample, and whether it proved to have been loud.
+def held(common, settings, y, d, acting, astray):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Whether the law has to be at 0 V, whether that begins with this sample, and whether a guilty attempt may teach.
 
     Args:
         common: changed.
@@ -95,6 +98,7 @@ def held(common, settings, y, d, acting):  # type: ignore[no-untyped-def]  # noq
         y: m/s^2.
         d: m/s^2; y - G u.
         acting: the law's voltage is let through in this phase.
+        astray: the tracker was lost in an attempt with a model that is turned (`tone_response`).
     """
     _listen(common, settings, y, y - d)
     if common[HOLD] > 0.0:
@@ -107,9 +111,10 @@ def held(common, settings, y, d, acting):  # type: ignore[no-untyped-def]  # noq
     if common[BASE] == 0.0:
         common[BASE] = common[LEVEL]
     loud, useless = _suspicious(common, settings[WANTED])
-    if not (loud or useless):
+    if not (loud or useless or astray):
         return False, False, False
     common[BEFORE] = common[LEVEL] if loud else math.inf
+    common[TELLING] = 1.0 if loud or astray else 0.0
     common[LEAST] = math.inf
     common[LOUD], common[USELESS] = 0.0, 0.0
     common[EXTENDED] = 0.0 if common[KNOWN] > 0.0 else 1.0
@@ -171,7 +176,7 @@ def _suspicious(common, wanted):  # type: ignore[no-untyped-def]  # noqa: ANN001
 
 @njit
 def _judge(common, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """At the end of a hold: was it the law, and what is the base; True: it was, and it had been loud."""
+    """At the end of a hold: was it the law, and what is the base; True: it was, and the attempt may teach."""
     first = settings[FIRST_HOLD]
     common[KNOWN] = 1.0
     if common[LEAST] < 0.5 * common[BEFORE]:
@@ -179,7 +184,7 @@ def _judge(common, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, A
         common[SLOW] = min(2.0 * common[SLOW], 8.0)
         common[STRETCH] = max(common[STRETCH], common[SLOW])
         common[BASE] = min(common[LEAST], common[BASE])
-        return common[BEFORE] < math.inf
+        return common[TELLING] > 0.0
     if common[EXTENDED] == 0.0:
         common[EXTENDED] = 1.0
         common[HOLD] = 2.0 * first

@@ -4,7 +4,15 @@
 
 import numpy as np
 import pytest
-from satvib_control.tone_response import UNTAUGHT, attend, conclude, corrected, correction, learn
+from satvib_control.tone_response import (
+    UNTAUGHT,
+    attend,
+    conclude,
+    corrected,
+    correction,
+    learn,
+    turned,
+)
 
 from satvib_control import tone_tracker as tt
 
@@ -12,8 +20,11 @@ PACE = 20.0
 OMEGA = 0.314
 
 
-def attempt(lesson, ratio, paces=10.0, slip=0.0, noise=0.0, seed=1):
-    """An attempt whose believed effect v grows e-fold in three paces: y = d + ratio v; give what was concluded."""
+def attempt(lesson, ratio, paces=10.0, slip=0.0, noise=0.0, seed=1, stray=0.0):
+    """An attempt whose believed effect v grows e-fold in three paces: y = d + ratio v; give what was concluded.
+
+    The tracker ends at a frequency that is off by the share `stray`.
+    """
     settings = np.zeros(tt.SETTINGS)
     settings[tt.WANTED] = PACE
     rng = np.random.default_rng(seed)
@@ -22,7 +33,7 @@ def attempt(lesson, ratio, paces=10.0, slip=0.0, noise=0.0, seed=1):
         turn = np.exp(1j * OMEGA * k)
         v = 0.1 * (np.exp(k / (3.0 * PACE)) - 1.0) * turn * np.exp(0.7j)
         y = (turn + ratio * v).real + noise * rng.standard_normal()
-        learn(lesson, settings, y, v.real)
+        learn(lesson, settings, OMEGA * (1.0 + stray * k / (paces * PACE)), y, v.real)
     return conclude(lesson)
 
 
@@ -83,9 +94,29 @@ def test_what_teaches_nothing_changes_nothing():
     for effect in (0.0, 1.0):
         attend(lesson, OMEGA)
         for k in range(400):
-            learn(lesson, settings, rng.standard_normal(), effect * np.cos(OMEGA * k) * k / 400)
+            learn(
+                lesson, settings, OMEGA, rng.standard_normal(), effect * np.cos(OMEGA * k) * k / 400
+            )
         assert not conclude(lesson)
     assert correction(lesson, OMEGA) == 1.0
+
+
+@pytest.mark.parametrize(
+    ('degrees', 'stray', 'noise', 'expected'),
+    [
+        (75.0, 0.1, 0.0, True),
+        (-100.0, -0.1, 0.0, True),
+        (75.0, 0.0, 0.0, False),
+        (30.0, 0.1, 0.0, False),
+        (75.0, 0.1, 10.0, False),
+    ],
+)
+def test_a_turned_model_is_told_by_a_frequency_that_went_along(degrees, stray, noise, expected):
+    """Truth: the ratio put in. Less than 60 degrees, a frequency that stays or noise ten times the tone are none."""
+    lesson = UNTAUGHT.copy()
+    ratio = np.exp(1j * np.radians(degrees))
+    attempt(lesson, ratio, paces=15.0, stray=stray, noise=noise)
+    assert turned(lesson) == expected
 
 
 def test_another_tone_takes_the_model_as_it_was():

@@ -25,7 +25,7 @@ class Strut:
 
     def __init__(self):
         self.common, self.settings, self.k = np.zeros(tt.COMMON), np.zeros(tt.SETTINGS), 0
-        self.verdicts = 0
+        self.verdicts, self.astray = 0, False
         self.common[tt.SLOW] = 1.0
         self.settings[tt.WANTED], self.settings[tt.FIRST_HOLD] = PACE, FIRST
 
@@ -36,7 +36,7 @@ class Strut:
         for i in range(count):
             on = self.common[tt.ACTIVE] > 0.0
             y = (acting_amplitude if on else resting) * np.cos(np.pi / 10.0 * self.k)
-            rest[i], _, guilty = held(self.common, self.settings, y, y, acting)
+            rest[i], _, guilty = held(self.common, self.settings, y, y, acting, self.astray)
             self.verdicts += guilty
             self.common[tt.ACTIVE] = self.common[tt.FADED] = float(acting and not rest[i])
             self.k += 1
@@ -78,6 +78,18 @@ def test_a_useless_voltage_is_taken_back(strut):
     strut.run(round(FIRST), 1.0)
     assert strut.common[tt.SLOW] == 2.0
     assert strut.verdicts == 0, 'what does nothing teaches nothing'
+
+
+def test_an_attempt_that_went_astray_is_taken_back_and_teaches(strut):
+    """Neither louder nor calmer: held at the first sample that says so, guilty at the end of the first hold."""
+    assert not strut.run(round(5.0 * PACE), 1.0).any()
+    strut.astray = True
+    assert strut.run(1, 1.0).all()
+    strut.astray = False
+    rest = strut.run(round(FIRST + PACE), 1.0)
+    assert rest.sum() == pytest.approx(FIRST, abs=2.0)
+    assert strut.verdicts == 1
+    assert strut.common[tt.NEXT_HOLD] == 4.0 * FIRST
 
 
 def test_growth_of_another_strut_s_making_does_not_raise_the_base(strut):
