@@ -162,8 +162,7 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
     inverse = np.zeros(count, dtype=np.complex128)
     volts = np.zeros(count)
     share = np.zeros(count)
-    strongest = 0.0
-    show[SHOW_OMEGA] = np.nan
+    strongest, loudest = 0.0, 0.0
     show[SHOW_MOVING] = 0.0
     show[SHOW_HELD] = 0.0
     for i in range(count):
@@ -177,8 +176,8 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
         volts[i] = amplitude * abs(inverse[i])
         show[SHOW_MOVING] = 1.0
         if amplitude > strongest:
-            strongest = amplitude
-            show[SHOW_OMEGA] = t[OMEGA]
+            strongest, loudest = amplitude, t[OMEGA]
+    show[SHOW_OMEGA] = loudest if strongest > 0.0 else np.nan
     short = _share(volts, settings[VOLTAGE], share)
     rest = common[HOLD] > 0.0
     if valid:
@@ -186,14 +185,14 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
         if begins:
             for i in range(count):
                 tones[i, ON] = 0.0
-        if guilty and conclude(lesson):
+        if guilty and conclude(lesson, loudest):
             believe(common, settings)
     act = act and not rest
     anew = fresh(lesson) or common[SILENT] > RING_DOWN * settings[WANTED]
     if act and strongest > 0.0 and anew:
-        attend(lesson, show[SHOW_OMEGA])
+        attend(lesson, loudest)
     elif valid and act:
-        learn(lesson, settings, show[SHOW_OMEGA], y, y - d)
+        learn(lesson, settings, loudest, y, y - d)
     show[SHOW_HELD] = 1.0 if rest else 0.0
     u = 0.0
     for i in range(count):

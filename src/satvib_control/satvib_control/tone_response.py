@@ -20,7 +20,8 @@ quiet, so rho is known all the better. An attempt is taken back as `turned` when
 tone has strayed by 3 %, V explains nine tenths of what D does not, and rho is out by more than 60 degrees.
 
 An attempt at another frequency, a third away or more, begins with the model as it was: right after a pause a frequency
-is not known any better. Smoothing over half a pace or four, asking for more than half, or a tenth in the place of the
+is not known any better. Where the pause ends with such a frequency the tone itself has moved, D was no constant, and
+nothing was taught. Smoothing over half a pace or four, asking for more than half, or a tenth in the place of the
 third left more of the drawn rigs without a lesson (benchmarks/robustness.py). What did nothing teaches nothing: there
 the drift of a frequency that is not quite known looks like an effect.
 """
@@ -73,9 +74,15 @@ def forget(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @njit
+def _apart(one, other):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Whether two frequencies are those of different tones."""
+    return abs(one - other) > FAR * min(one, other)
+
+
+@njit
 def attend(lesson, omega):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
     """An attempt begins at the frequency (rad/sample)."""
-    if abs(omega - lesson[FIXED_AT]) > FAR * omega:
+    if _apart(omega, lesson[FIXED_AT]):
         forget(lesson)
     lesson[OMEGA] = omega
     lesson[STRAYED:] = 0.0
@@ -94,7 +101,7 @@ def learn(lesson, settings, omega, y, effect):  # type: ignore[no-untyped-def]  
     Args:
         lesson: changed.
         settings: of the law.
-        omega: rad/sample, of the strongest tone; NaN while none is tracked.
+        omega: rad/sample, of the strongest tone; 0 while none is tracked.
         y: m/s^2.
         effect: m/s^2, what the model believes that the voltage does to y.
     """
@@ -149,12 +156,17 @@ def turned(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @njit
-def conclude(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
-    """Correct the model by what the attempt taught, if it taught anything; whether it did."""
-    ratio, share = _ratio(lesson)
-    if share < EXPLAINED:
-        return False
+def conclude(lesson, heard):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Correct the model by what the attempt taught, if it taught anything; whether it did.
+
+    Args:
+        lesson: changed.
+        heard: rad/sample, of the strongest tone at the end of the pause; 0 where there is none.
+    """
     omega = lesson[OMEGA]
+    ratio, share = _ratio(lesson)
+    if share < EXPLAINED or (heard > 0.0 and _apart(heard, omega)):
+        return False
     rho = ratio * correction(lesson, omega)
     size = abs(rho)
     rho *= min(max(size, LEAST), MOST) / size

@@ -20,7 +20,7 @@ PACE = 20.0
 OMEGA = 0.314
 
 
-def attempt(lesson, ratio, paces=10.0, slip=0.0, noise=0.0, seed=1, stray=0.0):
+def attempt(lesson, ratio, paces=10.0, slip=0.0, noise=0.0, seed=1, stray=0.0, heard=OMEGA):
     """An attempt whose believed effect v grows e-fold in three paces: y = d + ratio v; give what was concluded.
 
     The tracker ends at a frequency that is off by the share `stray`.
@@ -34,7 +34,7 @@ def attempt(lesson, ratio, paces=10.0, slip=0.0, noise=0.0, seed=1, stray=0.0):
         v = 0.1 * (np.exp(k / (3.0 * PACE)) - 1.0) * turn * np.exp(0.7j)
         y = (turn + ratio * v).real + noise * rng.standard_normal()
         learn(lesson, settings, OMEGA * (1.0 + stray * k / (paces * PACE)), y, v.real)
-    return conclude(lesson)
+    return conclude(lesson, heard)
 
 
 @pytest.mark.parametrize('degrees', [0.0, 60.0, 120.0, 180.0, -90.0])
@@ -87,7 +87,7 @@ def test_an_untaught_model_is_as_it_was():
 def test_what_teaches_nothing_changes_nothing():
     """No attempt, an attempt without voltage, and noise that a voltage has nothing to do with."""
     lesson = UNTAUGHT.copy()
-    assert not conclude(lesson)
+    assert not conclude(lesson, OMEGA)
     settings = np.zeros(tt.SETTINGS)
     settings[tt.WANTED] = PACE
     rng = np.random.default_rng(2)
@@ -97,7 +97,7 @@ def test_what_teaches_nothing_changes_nothing():
             learn(
                 lesson, settings, OMEGA, rng.standard_normal(), effect * np.cos(OMEGA * k) * k / 400
             )
-        assert not conclude(lesson)
+        assert not conclude(lesson, OMEGA)
     assert correction(lesson, OMEGA) == 1.0
 
 
@@ -117,6 +117,14 @@ def test_a_turned_model_is_told_by_a_frequency_that_went_along(degrees, stray, n
     ratio = np.exp(1j * np.radians(degrees))
     attempt(lesson, ratio, paces=15.0, stray=stray, noise=noise)
     assert turned(lesson) == expected
+
+
+def test_a_tone_that_moved_teaches_nothing():
+    """Heard a fifth away or not at all, it is taught; at twice the frequency it was not one tone."""
+    for heard, taught in ((1.2 * OMEGA, True), (0.0, True), (2.0 * OMEGA, False)):
+        lesson = UNTAUGHT.copy()
+        assert attempt(lesson, 2.0j, heard=heard) == taught
+        assert (correction(lesson, OMEGA) != 1.0) == taught
 
 
 def test_another_tone_takes_the_model_as_it_was():
