@@ -286,6 +286,7 @@ def test_a_restarted_controller_joins_the_run(start, probe):
 
 def test_stop_and_reset(start, probe):
     """Truth: the design. After stop the voltage is 0 with a latched fault; reset releases it."""
+    from rclpy.duration import Duration
     from std_srvs.srv import Trigger
 
     from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage
@@ -293,8 +294,12 @@ def test_stop_and_reset(start, probe):
     start(*CONTROLLER, '/strut_1')
     samples = probe.publisher(StrutAcceleration, '/strut_1/acceleration')
     voltages = probe.collect(VcaVoltage, '/strut_1/voltage')
-    probe.publisher(Schedule, '/schedule').publish(schedule(rate=100.0, phases=((2, 0),)))
-    probe.wait(lambda: samples.get_subscription_count() == 1)
+    plan = probe.publisher(Schedule, '/schedule')
+    probe.wait(lambda: plan.get_subscription_count() == samples.get_subscription_count() == 1)
+    plan.publish(schedule(rate=100.0, phases=((2, 0),)))
+    assert plan.wait_for_all_acked(
+        Duration(seconds=60.0)
+    )  # for the excitation is 0 V again after 25 samples
 
     def answer(k):
         samples.publish(StrutAcceleration(sequence=k, sample_period=0.01))

@@ -35,7 +35,7 @@ _START = 60.0  # for all processes to be there, on a busy machine and with cold 
 _POLL = 0.02
 _REPORT = 0.15
 _PATIENCE = {Stage.SOURCE: 2.0, Stage.CONTROLLER: 5.0, Stage.IDENTIFIER: 15.0, Stage.RECORDER: 30.0}
-_IMPATIENCE = 1.0  # for the others, once one has died
+_IMPATIENCE = 1.5  # more than the second for which a node waits for a reader that is dead
 
 
 def run_experiment(
