@@ -214,11 +214,14 @@ class Stand:
         self.until(lambda: self.state == state, f'state {state}')
 
     def until_armed(self):
-        """Call ~/arm until the bias is learnt and it is granted."""
+        """Call ~/arm until the bias is learnt and it is granted; a line that a busy machine let stall is reset."""
         while True:
             granted, why = self.call('arm')
             if granted:
                 return
+            if 'the device or its line stalls' in why:
+                self.call('reset')
+                continue
             assert 'not learnt yet' in why or 'not active' in why or 'publishers' in why, why
             self._executor.spin_once(0.05)
 
