@@ -5,7 +5,6 @@
 ros2 action send_goal --feedback /run_experiment satvib_msgs/action/RunExperiment "{scenario: quick_3dof}"
 """
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -137,10 +136,10 @@ def _feedback(progress: Progress) -> RunExperiment.Feedback:
     )
 
 
-def main() -> int:
+def main() -> None:
     """Run the node."""
-    return run_node(ExperimentNode)
+    run_node(ExperimentNode)
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

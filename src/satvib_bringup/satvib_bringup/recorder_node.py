@@ -8,7 +8,6 @@ followed, and what was lost is reported.
 """
 
 import json
-import sys
 import time
 from datetime import datetime
 from functools import partial
@@ -127,10 +126,10 @@ class RecorderNode(SatvibNode[RecorderParameters]):
         return topic.open(qos.reliability.name, qos.durability.name)
 
 
-def main() -> int:
+def main() -> None:
     """Run the node."""
-    return run_node(RecorderNode)
+    run_node(RecorderNode)
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

@@ -9,7 +9,6 @@ It begins when an identifier is there. At speed 0 it goes as fast as the identif
 samples a second when the record has phases without models; otherwise at `speed` times the record's own rate.
 """
 
-import sys
 import time
 
 from satvib_common.ros.convert import sample_stamp, set_stamp
@@ -110,10 +109,10 @@ class ReplayNode(SatvibNode[ReplayParameters]):
         self.wake_up()
 
 
-def main() -> int:
+def main() -> None:
     """Run the node."""
-    return run_node(ReplayNode)
+    run_node(ReplayNode)
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

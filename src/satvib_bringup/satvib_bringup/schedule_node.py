@@ -6,7 +6,6 @@ It sets a graph going that was started by hand or by the launch file; `satvib ru
 is lost when a node comes late, and it publishes at once; with `realtime` it waits until all have found one another.
 """
 
-import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -89,10 +88,10 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
         self.publisher.publish(message)
 
 
-def main() -> int:
+def main() -> None:
     """Run the node."""
-    return run_node(ScheduleNode)
+    run_node(ScheduleNode)
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

@@ -6,7 +6,6 @@ It runs in place of all strut controllers, and speaks on their topics: it listen
 answers when a sample of all of them is there, and publishes every strut's voltage and controller state.
 """
 
-import sys
 from collections import deque
 from functools import partial
 
@@ -69,10 +68,10 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
             self.proceed()
 
 
-def main() -> int:
+def main() -> None:
     """Run the node."""
-    return run_node(CentralizedControllerNode)
+    run_node(CentralizedControllerNode)
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

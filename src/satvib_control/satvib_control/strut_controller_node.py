@@ -6,7 +6,6 @@ It listens to its own strut only. In lockstep a sample waits until the schedule 
 sample, until the model of the sample before is there; in real time the newest model is taken.
 """
 
-import sys
 from collections import deque
 
 import numpy as np
@@ -90,10 +89,10 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         self.core.set_model(model, np.asarray(m.converged), m.reason, covariance)
 
 
-def main() -> int:
+def main() -> None:
     """Run the node."""
-    return run_node(StrutControllerNode)
+    run_node(StrutControllerNode)
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

@@ -9,7 +9,6 @@ the devices at 0 V, and the bias is learnt. The run begins with sample 0 when th
 called. Services: ~/arm, ~/stop, ~/estop, ~/reset, ~/calibrate. Every change of state is on /diagnostics at once.
 """
 
-import sys
 import time
 from functools import partial
 
@@ -180,10 +179,10 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         self._diagnostics.publish(True, complaint, self.bridge.diagnose(), well, bool(complaint))
 
 
-def main() -> int:
+def main() -> None:
     """Run the node."""
-    return run_node(DaqBridgeNode)
+    run_node(DaqBridgeNode)
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

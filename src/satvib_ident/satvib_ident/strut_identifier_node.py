@@ -8,8 +8,6 @@ Sample k of the acceleration is paired with the voltage of sample k - delay, as 
 The model is published for every sample of a phase in which it is estimated, and for the samples before a hand-over.
 """
 
-import sys
-
 import numpy as np
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.ros.convert import check_period, doubles, plan_of
@@ -127,10 +125,10 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self.publisher.publish(m)
 
 
-def main() -> int:
+def main() -> None:
     """Run the node."""
-    return run_node(StrutIdentifierNode)
+    run_node(StrutIdentifierNode)
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

@@ -8,7 +8,6 @@ overdue is made up for at once, so that the count follows the time. The voltages
 """
 
 import math
-import sys
 import time
 from functools import partial
 
@@ -189,10 +188,10 @@ class PlantSimNode(SatvibNode[PlantParameters]):
             )
 
 
-def main() -> int:
+def main() -> None:
     """Run the node."""
-    return run_node(PlantSimNode)
+    run_node(PlantSimNode)
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable, Sequence
 from os import _exit
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import rclpy
 from rclpy.duration import Duration
@@ -36,11 +36,22 @@ _LAST_RESORT = DRAIN + 5.0
 _ACKNOWLEDGE = 1.0
 
 
-def run_node(make: Callable[[], SatvibNode[Any]], args: Sequence[str] | None = None) -> int:
-    """Run a node until it ends or is told to; gives the exit code of the process.
+def run_node(make: Callable[[], SatvibNode[Any]], args: Sequence[str] | None = None) -> NoReturn:
+    """Run a node until it ends or is told to, and end the process.
 
-    A `SatvibError` is one line and 2, a `RunError` one line and 1, a signal nothing and 0.
+    A `SatvibError` is one line and exit code 2, a `RunError` one line and 1, a signal nothing and 0.
+
+    By then the node and its context are destroyed and logs and files are closed. The end of the interpreter is left
+    out: the middleware's threads are alive while its statics are taken apart, which now and then aborted a process
+    that had done its work.
     """
+    code = _until_the_end(make, args)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    _exit(code)
+
+
+def _until_the_end(make: Callable[[], SatvibNode[Any]], args: Sequence[str] | None) -> int:
     signals = _Signals()
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     node: SatvibNode[Any] | None = None
