@@ -74,7 +74,7 @@ def _observe(b, a, state, lesson, applied, y):  # type: ignore[no-untyped-def]  
 
 @njit
 def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Take a sample of the disturbance; give the error. True: this was the sample of a search."""
+    """Take a sample of the disturbance; give the error, whether a search was due, and whether the tracker was lost."""
     window = rings.shape[1]
     step = math.pi / window
     expected = predict(tones)
@@ -87,8 +87,8 @@ def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-
     rings[1, pointer] = d
     common[POINTER] = float((pointer + 1) % window)
     common[SEEN] += 1.0
-    seeks = lost(common, settings, e, d)
-    if seeks:
+    astray = lost(common, settings, e, d)
+    if astray:
         common[TROUBLE] = 0.0
         common[TOP] = 0.0
         rings[0, :] = rings[1, :]
@@ -98,8 +98,8 @@ def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-
     if common[SEEN] >= window and int(common[SEEN]) % hop == 0:
         prune(tones, settings, floor[0], step, window)
         search(tones, settings, common, rings[0], floor, step)
-        return e, True, seeks
-    return e, False, seeks
+        return e, True, astray
+    return e, False, astray
 
 
 @njit
@@ -158,11 +158,11 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
     state, common, tones, rings, floor, lesson = memory
     count = tones.shape[0]
     d = _observe(b, a, state, lesson, applied, y)
-    e, searched, seeks = _track(settings, common, tones, rings, floor, d, valid)
+    e, searched, astray = _track(settings, common, tones, rings, floor, d, valid)
     inverse = np.zeros(count, dtype=np.complex128)
     volts = np.zeros(count)
     share = np.zeros(count)
-    strongest, loudest = 0.0, 0.0
+    strongest, omega = 0.0, 0.0
     show[SHOW_MOVING] = 0.0
     show[SHOW_HELD] = 0.0
     for i in range(count):
@@ -176,23 +176,23 @@ def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untype
         volts[i] = amplitude * abs(inverse[i])
         show[SHOW_MOVING] = 1.0
         if amplitude > strongest:
-            strongest, loudest = amplitude, t[OMEGA]
-    show[SHOW_OMEGA] = loudest if strongest > 0.0 else np.nan
+            strongest, omega = amplitude, t[OMEGA]
+    show[SHOW_OMEGA] = omega if strongest > 0.0 else np.nan
     short = _share(volts, settings[VOLTAGE], share)
     rest = common[HOLD] > 0.0
     if valid:
-        rest, begins, guilty = held(common, settings, y, d, act, seeks and turned(lesson))
+        rest, begins, guilty = held(common, settings, y, d, act, astray and turned(lesson))
         if begins:
             for i in range(count):
                 tones[i, ON] = 0.0
-        if guilty and conclude(lesson, loudest):
+        if guilty and conclude(lesson, omega):
             believe(common, settings)
     act = act and not rest
     anew = fresh(lesson) or common[SILENT] > RING_DOWN * settings[WANTED]
     if act and strongest > 0.0 and anew:
-        attend(lesson, loudest)
+        attend(lesson, omega)
     elif valid and act:
-        learn(lesson, settings, loudest, y, y - d)
+        learn(lesson, settings, omega, y, y - d)
     show[SHOW_HELD] = 1.0 if rest else 0.0
     u = 0.0
     for i in range(count):
