@@ -15,6 +15,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
+from satvib_bringup.analysis.levels import decibel, tone_level
 from satvib_bringup.closed_loop import ClosedLoop
 from satvib_bringup.scenario import load_scenario
 from satvib_bringup.study_table import fill
@@ -29,8 +30,7 @@ DEGREES = (0, 30, 60, 66, 69, 72, 75, 78, 81, 85, 90, 120, 150, 180)
 SHOWN = (0, 75, 120, 180)
 SEEDS = range(1, 11)
 FREQUENCY = 20.0
-BEGIN, END = 8.0, 20.0  # s: CONTROL
-SETTLED = 15.0
+BEGIN, SETTLED = 8.0, 15.0  # s: CONTROL, the window that is judged
 
 
 def turned(model: IirModel, degrees: NDArray) -> IirModel:
@@ -43,8 +43,8 @@ def turned(model: IirModel, degrees: NDArray) -> IirModel:
     return IirModel(model.a, np.array(b), model.delay, model.dt)
 
 
-def run(rig: str) -> tuple[Array, Array, Array, float]:
-    """Run all phase errors and seeds; give truth and voltage (time, errors, seeds), times, period."""
+def run(rig: str) -> tuple[Array, float, Array, float]:
+    """Run all phase errors and seeds; give truth and voltage, (samples, errors, seeds), each with its spacing in s."""
     scenario = 'paper_1dof_20hz_narrowband'
     pairs = [(angle, seed) for angle in DEGREES for seed in SEEDS]
     scenarios = [load_scenario(scenario, [f'rig={rig}', f'seed={seed}']) for _, seed in pairs]
@@ -56,32 +56,25 @@ def run(rig: str) -> tuple[Array, Array, Array, float]:
         take(turned(model, degrees), trusted, why, covariance)
 
     loop.controller.set_model = hand_over
-    y, u, t = [], [], []
+    y, u = [], []
     for step in loop.steps():
         if step.phase == Phase.CONTROL and not np.all(step.identification.converged):
             raise SystemExit(f'{rig}: a model is not trusted: {step.identification.reasons}')
-        y.append(step.truth.upper[:, 0])
+        y.extend(step.truth.upper[:, 0].T)
         u.append(step.output.voltage[:, 0])
-        t.append(step.sequence * loop.plant.dt)
-    shape = (len(t), len(DEGREES), len(SEEDS))
-    fine = np.array(y).reshape(*shape, -1)
-    return fine, np.array(u).reshape(shape), np.array(t), loop.plant.dt
+    trials, plant = (len(DEGREES), len(SEEDS)), loop.plant
+    return (
+        np.reshape(y, (-1, *trials)), plant.fine_period, np.reshape(u, (-1, *trials)), plant.dt,
+    )  # fmt: skip
 
 
-def tone(y: Array, t: Array, dt: float) -> Array:
-    """Amplitude at the tone of the fine truth (time, ..., fine)."""
-    count = y.shape[-1]
-    times = t[:, None] + np.arange(count) * dt / count
-    turn = np.exp(-2j * np.pi * FREQUENCY * times).reshape(len(t), *([1] * (y.ndim - 2)), count)
-    return 2.0 * np.abs((y * turn).mean(axis=(0, -1)))
-
-
-def rows(rig: str, y: Array, u: Array, t: Array, dt: float) -> list[str]:
+def rows(rig: str, y: Array, fine: float, u: Array, dt: float) -> list[str]:
     """The lines of the table."""
-    quiet, late = (t >= 5.0) & (t < BEGIN), t >= SETTLED
-    gain = 20.0 * np.log10(tone(y[late], t[late], dt) / tone(y[quiet], t[quiet], dt))
-    peak = np.abs(y[t >= BEGIN]).max(axis=(0, -1)) / np.abs(y[quiet]).max(axis=(0, -1))
-    pause = (u[t > BEGIN + 0.2] == 0.0).sum(axis=0) * dt
+    before, begin, settled = (round(t / fine) for t in (5.0, BEGIN, SETTLED))
+    quiet, acting, late = y[before:begin], y[begin:], y[settled:]
+    gain = decibel(tone_level(late, fine, [FREQUENCY]), tone_level(quiet, fine, [FREQUENCY]))
+    peak = np.abs(acting).max(axis=0) / np.abs(quiet).max(axis=0)
+    pause = (u[round((BEGIN + 0.2) / dt) + 1 :] == 0.0).sum(axis=0) * dt
     return [
         f'| {rig} | {angle} | {np.median(gain[i]):.1f} | {gain[i].max():.1f} | {np.median(peak[i]):.2f} | '
         f'{peak[i].max():.2f} | {np.median(pause[i]):.1f} | {pause[i].max():.1f} |'
@@ -89,17 +82,21 @@ def rows(rig: str, y: Array, u: Array, t: Array, dt: float) -> list[str]:
     ]
 
 
-def figure(y: Array, t: Array, path: Path) -> None:
+def figure(y: Array, fine: float, path: Path) -> None:
     """Envelopes of the first seed, some phase errors."""
-    plt.rcParams['svg.hashsalt'] = 'satvib'
     drawing, axes = plt.subplots(figsize=(7.0, 3.2), layout='constrained')
-    window = 10
+    period = round(1.0 / FREQUENCY / fine)
     for angle in SHOWN:
-        level = np.sqrt((y[:, DEGREES.index(angle), 0] ** 2).mean(axis=-1))
-        smooth = np.sqrt(np.convolve(level**2, np.ones(window) / window, 'same'))
-        axes.semilogy(t, smooth, label=f'{angle} degrees', lw=1.2)
+        power = y[:, DEGREES.index(angle), 0] ** 2
+        level = np.sqrt(np.convolve(power, np.ones(period) / period, 'same'))
+        axes.semilogy(fine * np.arange(len(level)), level, label=f'{angle} degrees', lw=1.2)
     axes.axvline(BEGIN, color='0.6', lw=0.8)
-    axes.set(xlim=(6.0, 14.0), xlabel='time [s]', ylabel='true RMS over a period [m/s²]')
+    axes.set(
+        xlim=(6.0, 14.0),
+        ylim=(0.01, 8.0),
+        xlabel='time [s]',
+        ylabel='true RMS over a period [m/s²]',
+    )
     axes.grid(True, which='major', alpha=0.3)
     axes.legend(title='the model is out by', loc='lower left')
     drawing.savefig(path, dpi=150)
@@ -116,10 +113,10 @@ def main() -> None:
         '|---|---:|---:|---:|---:|---:|---:|---:|',
     ]
     for rig in RIGS:
-        y, u, t, dt = run(rig)
-        lines += rows(rig, y, u, t, dt)
+        y, fine, u, dt = run(rig)
+        lines += rows(rig, y, fine, u, dt)
         if options.figures is not None and rig == RIGS[-1]:
-            figure(y, t, options.figures / 'narrowband_wrong_model.png')
+            figure(y, fine, options.figures / 'narrowband_wrong_model.png')
     print('\n'.join(lines))
     if options.page is not None:
         fill(options.page, {'table wrong model': ''.join(line + '\n' for line in lines)})

@@ -102,7 +102,7 @@ def test_a_controller_killed_in_the_run(scheme, tmp_path, domain):  # noqa: ARG0
     """Truth: the scenario says who dies and when; the laws' own cores, over what the live ones measured, bit for bit.
 
     Decentralized, the other two go on to the end; centralized, every strut is on its own. What comes of the voltages
-    depends on how late the machine is, so what is left is told by the twin.
+    depends on how late the machine is: where it is punctual (1 % late on two cores) the twin says it to 3 dB.
     """
     from satvib_bringup.closed_loop import simulate, simulate_open_loop
     from satvib_bringup.scenario import load_scenario
@@ -127,6 +127,10 @@ def test_a_controller_killed_in_the_run(scheme, tmp_path, domain):  # noqa: ARG0
         np.testing.assert_array_equal(said, given)
     twin = simulate(scenario)
     end = (7.5, 8.5)
-    gain = level(twin, *end) / level(simulate_open_loop(twin), *end)
-    assert (gain[alive] < 0.7).all(), 'the living still do some good'
-    assert (gain[dead] < 1.1).all(), 'the dead do no harm'
+    left, quiet = level(twin, *end), level(simulate_open_loop(twin), *end)
+    assert (left[alive] < 0.7 * quiet[alive]).all(), 'the living still do some good'
+    assert (left[dead] < 1.1 * quiet[dead]).all(), 'the dead do no harm'
+    if run.counts.get('plant_sim_late_voltages', 0) < 0.03 * there.sum():
+        decibels = 20.0 * np.log10(level(run, *end) / left)
+        assert np.abs(decibels).max() < 3.0
+        assert (level(run, *end)[alive] < 0.7 * quiet[alive]).all()

@@ -67,7 +67,7 @@ def long_run():
 def test_killing_a_node_ends_the_run(executable, name, long_run, tmp_path):
     """Truth: the promise of the README: soon, by name, with a bag that reads, and no process is left.
 
-    Soon is less time than the start took, on this machine and as busy as it is: 1.3 s of 3.6.
+    Soon is 3 s; where the machine is so busy that the start took more than 4 s (3.6 on two cores), 3/4 of that.
     """
     from satvib_bringup.bag import read_recording
     from satvib_bringup.experiment import run_experiment
@@ -79,7 +79,7 @@ def test_killing_a_node_ends_the_run(executable, name, long_run, tmp_path):
     assert not outcome.success
     assert outcome.exit_code == 1
     assert outcome.message.startswith(f'{name} was killed by SIGKILL')
-    assert elapsed < killer.start
+    assert elapsed < max(3.0, 0.75 * killer.start)
     recording = read_recording(outcome.bag)
     assert len(recording.sequence) > 50
     assert recording.scenario == long_run

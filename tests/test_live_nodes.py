@@ -297,9 +297,8 @@ def test_stop_and_reset(start, probe):
     plan = probe.publisher(Schedule, '/schedule')
     probe.wait(lambda: plan.get_subscription_count() == samples.get_subscription_count() == 1)
     plan.publish(schedule(rate=100.0, phases=((2, 0),)))
-    assert plan.wait_for_all_acked(
-        Duration(seconds=60.0)
-    )  # for the excitation is 0 V again after 25 samples
+    # for the excitation is 0 V again after 25 samples
+    assert plan.wait_for_all_acked(Duration(seconds=60.0))
 
     def answer(k):
         samples.publish(StrutAcceleration(sequence=k, sample_period=0.01))

@@ -77,7 +77,7 @@ def run_experiment(
 def _refuse_company(observer: Observer) -> None:
     deadline = time.monotonic() + _LOOK_AROUND
     while time.monotonic() < deadline:
-        if others := list(observer.nodes()):
+        if others := list(observer.company.nodes()):
             raise SatvibError(_company(others))
         time.sleep(0.05)
 
@@ -156,7 +156,7 @@ class _Run:
         deadline = time.monotonic() + _START
         while missing := observer.missing():
             self._look_for_the_dead(supervisor)
-            if strangers := observer.strangers():
+            if strangers := observer.company.strangers():
                 raise _EndedError(_company(strangers), 2)
             if time.monotonic() > deadline:
                 named = ', '.join(missing[:3]) + (', ...' if len(missing) > 3 else '')

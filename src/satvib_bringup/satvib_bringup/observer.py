@@ -8,7 +8,6 @@ The controllers' states are looked at a few times a second through readers of de
 import contextlib
 import math
 import time
-from collections import Counter
 from functools import partial
 from types import TracebackType
 from typing import Any, Self
@@ -54,11 +53,11 @@ class Observer:
         self._schedule_out = self._node.create_publisher(Schedule, '/schedule', offered(1))
         self._states: dict[str, Any] = {}
         self._quiet = dict.fromkeys(graph.struts, math.nan)
-        self._company = Company(graph, self._node, self._schedule_out)
+        self.company = Company(graph, self._node, self._schedule_out)
         self._began = time.monotonic()
         if graph.realtime:
             self._diagnostics = self._node.create_subscription(
-                DiagnosticArray, '/diagnostics', self._company.hear, SAID
+                DiagnosticArray, '/diagnostics', self.company.hear, SAID
             )
         for strut in graph.struts:
             self._node.create_subscription(
@@ -84,18 +83,11 @@ class Observer:
             self._node.destroy_node()
         rclpy.try_shutdown(context=self._context)
 
-    def nodes(self) -> Counter[str]:
-        """Satvib nodes that are in this domain, by full name without the leading slash."""
-        return self._company.nodes()
-
-    def strangers(self) -> list[str]:
-        """Satvib nodes that are not of this graph, or there twice."""
-        return self._company.strangers()
-
     def missing(self) -> list[str]:
-        """What is not there yet."""
-        self._spin(2 * len(self.graph.processes))
-        return self._company.missing()
+        """What is not there yet, after what nodes have said meanwhile."""
+        if self.graph.realtime:
+            self._spin(2 * len(self.graph.processes))
+        return self.company.missing()
 
     def _spin(self, times: int) -> None:
         for _ in range(times):
@@ -103,9 +95,8 @@ class Observer:
 
     def publish_schedule(self) -> None:
         """Set the graph going."""
-        message = schedule_message(self.graph)
-        message.header.stamp = self._node.get_clock().now().to_msg()
-        self._schedule_out.publish(message)
+        now = self._node.get_clock().now().to_msg()
+        self._schedule_out.publish(schedule_message(self.graph, now))
         if self.graph.realtime:
             self._node.destroy_subscription(self._diagnostics)
         self._began = time.monotonic()

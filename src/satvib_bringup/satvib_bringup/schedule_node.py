@@ -83,9 +83,8 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
         return f'waiting for {missing[0]}' if missing else '', {}
 
     def _publish(self) -> None:
-        message = schedule_message(self.graph)
-        message.header.stamp = self.get_clock().now().to_msg()
-        self.publisher.publish(message)
+        now = self.get_clock().now().to_msg()
+        self.publisher.publish(schedule_message(self.graph, now))
 
 
 def main() -> None:

@@ -140,7 +140,7 @@ class _Signals:
             signal.signal(number, self._arrived)
 
     def ignore(self) -> None:
-        """Let nothing disturb the end of the interpreter, which would change the exit code."""
+        """Let nothing disturb the end of the process, which would change the exit code."""
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_IGN)
 
