@@ -20,13 +20,13 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from satvib_bringup.study_table import fill
 from satvib_common.guard import VoltageGuard
-from satvib_common.iir import IirFilter
 from satvib_common.phases import Phase
-from satvib_control.law import LawInput, make_law
+from satvib_common.signals.iir_filter import IirFilter
+from satvib_control.laws.base import LawInput, make_law
 from satvib_control.parameters import ControllerParameters
-from satvib_ident.iir_model import IirModel
+from satvib_ident.models.iir_model import IirModel
+from satvib_studies.sweep.tables import fill
 from scipy.signal import lfilter
 
 sys.path.insert(0, str(Path(__file__).parent))

@@ -20,14 +20,14 @@ import matplotlib as mpl
 mpl.use('Agg')
 import matplotlib.pyplot as plt
 import numpy as np
-from satvib_bringup.study_table import fill
 from satvib_common.phases import Phase
-from satvib_control.law import LawInput, make_law
+from satvib_control.laws.base import LawInput, make_law
+from satvib_control.laws.narrowband.margin import respond
+from satvib_control.model_analysis.transfer import model_polynomials
 from satvib_control.parameters import ControllerParameters
-from satvib_control.polynomial import model_polynomials
-from satvib_control.tone_margin import respond
-from satvib_ident.iir_model import IirModel
-from satvib_ident.recursive_least_squares import RecursiveLeastSquares
+from satvib_ident.estimators.least_squares import RecursiveLeastSquares
+from satvib_ident.models.iir_model import IirModel
+from satvib_studies.sweep.tables import fill
 
 sys.path.insert(0, str(Path(__file__).parent))
 import active_suspension as bench

@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 from model_phase import HEAD, ORDERS, RATES, Case, row
 from numpy.typing import NDArray
-from satvib_bringup.analysis.evaluation import fine
-from satvib_bringup.analysis.levels import decibel, rms, tone_level
-from satvib_bringup.closed_loop import simulate, simulate_open_loop
-from satvib_bringup.scenario import load_scenario
-from satvib_bringup.study_table import fill, plain_markdown
+from satvib_experiment.analysis.evaluation import fine
+from satvib_experiment.analysis.levels import decibel, rms, tone_level
+from satvib_experiment.scenario.scenario import load_scenario
+from satvib_experiment.twin.closed_loop import simulate, simulate_open_loop
+from satvib_studies.sweep.tables import fill, plain_markdown
 from scipy.signal import butter, sosfilt
 
 Array = NDArray[np.float64]

@@ -16,9 +16,9 @@ import time
 
 from rich.console import Console
 from rich.table import Table
-from satvib_bringup.campaign.batch import run_part
-from satvib_bringup.campaign.settings import Campaign
-from satvib_bringup.campaign.trials import plan_trials
+from satvib_studies.campaign.batch import run_part
+from satvib_studies.campaign.settings import Campaign
+from satvib_studies.campaign.trials import plan_trials
 
 PARAMETERS = {
     'rig.payload.mass': {'kind': 'uniform', 'low': 6.3, 'high': 11.7},

@@ -15,17 +15,17 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
-from satvib_bringup.closed_loop import ClosedLoop
-from satvib_bringup.scenario import load_scenario
-from satvib_common.integrator import leaky_integrator
-from satvib_control.dominant import polarity
-from satvib_control.gain_bounds import gain_bounds
-from satvib_control.margins import margins
-from satvib_control.polynomial import model_polynomials, multiply
-from satvib_control.rohrs import DT, UNSTABLE, simulate
-from satvib_ident.iir_model import IirModel
-from satvib_plant_sim.rig import load_rig
-from satvib_plant_sim.sampled import discrete_strut_model
+from satvib_common.signals.integrator import leaky_integrator
+from satvib_control.laws.model_reference.rohrs import DT, UNSTABLE, simulate
+from satvib_control.model_analysis.dominant_mode import polarity
+from satvib_control.model_analysis.gain_bounds import gain_bounds
+from satvib_control.model_analysis.margins import margins
+from satvib_control.model_analysis.transfer import model_polynomials, multiply
+from satvib_experiment.scenario.scenario import load_scenario
+from satvib_experiment.twin.closed_loop import ClosedLoop
+from satvib_ident.models.iir_model import IirModel
+from satvib_plant_sim.responses.one_strut import discrete_strut_model
+from satvib_plant_sim.rig.rig import load_rig
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -18,12 +18,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from satvib_bringup.analysis.levels import tone_level
-from satvib_bringup.graph import Graph, Stage, graph_of
-from satvib_bringup.scenario import Scenario, load_scenario
-from satvib_bringup.schedule import schedule_message
+from satvib_bringup.live.graph import Graph, Stage, graph_of
+from satvib_bringup.live.schedule_message import schedule_message
 from satvib_common.phases import Phase
 from satvib_common.ros.qos import offered, wanted
+from satvib_experiment.analysis.levels import tone_level
+from satvib_experiment.scenario.scenario import Scenario, load_scenario
 
 from satvib_msgs.msg import ControllerState, Schedule, StrutAcceleration, StrutTruth
 
@@ -138,7 +138,9 @@ def through_plant(graph: Graph, stand: Stand) -> dict[str, Any]:
     (plant,) = [p for p in graph.processes if p.stage == Stage.SOURCE]
     parameters = stand.folder / 'plant.yaml'
     parameters.write_text(plant.parameter_file())
-    stand.start('plant', ['-m', 'satvib_plant_sim.plant_sim_node', *plant.arguments(parameters)])
+    stand.start(
+        'plant', ['-m', 'satvib_plant_sim.nodes.plant_sim_node', *plant.arguments(parameters)]
+    )
     kept = prepare(stand, graph)
     begin(stand, graph, kept)
     code = finish(stand, 'plant', graph.plan.end * graph.sample_period + 60.0)

@@ -18,20 +18,20 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
-from satvib_bringup.analysis.levels import spectrum
-from satvib_bringup.closed_loop import ClosedLoop
-from satvib_bringup.scenario import load_scenario
-from satvib_bringup.study_table import fill, plain_markdown
 from satvib_common.errors import SatvibError
-from satvib_control.wiener import (
+from satvib_control.laws.feedforward.wiener import (
     CoherenceBound,
     WienerOptimum,
     coherence_bound,
     regressors,
     wiener_optimum,
 )
-from satvib_ident.iir_model import IirModel
-from satvib_plant_sim.any_rig import make_plant
+from satvib_experiment.analysis.levels import spectrum
+from satvib_experiment.scenario.scenario import load_scenario
+from satvib_experiment.twin.closed_loop import ClosedLoop
+from satvib_ident.models.iir_model import IirModel
+from satvib_plant_sim.rig.any_rig import make_plant
+from satvib_studies.sweep.tables import fill, plain_markdown
 
 Array = NDArray[np.float64]
 SETTINGS = {

@@ -22,7 +22,9 @@ sys.path[:0] = [str(ROOT / 'src' / package) for package in ('satvib_common', 'sa
 import numpy as np  # noqa: E402
 import padasip  # noqa: E402
 from satvib_common.phases import Phase  # noqa: E402
-from satvib_ident.extended_least_squares import ExtendedLeastSquares  # noqa: E402
+from satvib_ident.estimators.extended import ExtendedLeastSquares  # noqa: E402
+from satvib_ident.estimators.instrumental import InstrumentalVariable  # noqa: E402
+from satvib_ident.estimators.least_squares import RecursiveLeastSquares  # noqa: E402
 from satvib_ident.forgetting import (  # noqa: E402
     CovarianceResetting,
     DeadZone,
@@ -33,10 +35,8 @@ from satvib_ident.forgetting import (  # noqa: E402
     VariableRateForgetting,
 )
 from satvib_ident.identifier import IdentifierCore  # noqa: E402
-from satvib_ident.iir_model import IirModel  # noqa: E402
-from satvib_ident.instrumental_variable import InstrumentalVariable  # noqa: E402
+from satvib_ident.models.iir_model import IirModel  # noqa: E402
 from satvib_ident.parameters import IdentifierParameters  # noqa: E402
-from satvib_ident.recursive_least_squares import RecursiveLeastSquares  # noqa: E402
 
 ESTIMATORS = {
     'least squares': lambda s: RecursiveLeastSquares(5, s, NoForgetting()),

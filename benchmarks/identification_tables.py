@@ -19,15 +19,15 @@ sys.path[:0] = [str(ROOT / 'src' / f'satvib_{p}') for p in ('common', 'ident', '
 
 import numpy as np  # noqa: E402
 from satvib_common.phases import Phase  # noqa: E402
+from satvib_ident.estimators.extended import ExtendedLeastSquares  # noqa: E402
+from satvib_ident.estimators.instrumental import InstrumentalVariable  # noqa: E402
+from satvib_ident.estimators.least_squares import RecursiveLeastSquares  # noqa: E402
+from satvib_ident.estimators.regressor import IirRegressor  # noqa: E402
 from satvib_ident.excitation import make_excitation  # noqa: E402
-from satvib_ident.extended_least_squares import ExtendedLeastSquares  # noqa: E402
 from satvib_ident.identifier import Identification, IdentifierCore  # noqa: E402
-from satvib_ident.iir_model import IirModel  # noqa: E402
-from satvib_ident.instrumental_variable import InstrumentalVariable  # noqa: E402
+from satvib_ident.models.iir_model import IirModel  # noqa: E402
 from satvib_ident.parameters import FORGETTING, IdentifierParameters  # noqa: E402
-from satvib_ident.recursive_least_squares import RecursiveLeastSquares  # noqa: E402
-from satvib_ident.regressor import IirRegressor  # noqa: E402
-from satvib_ident.study import StudySettings, run  # noqa: E402
+from satvib_studies.signal_study.study import StudySettings, run  # noqa: E402
 
 A, B = [-0.460, 0.158], [0.061, -0.103, 0.033]
 BAND = np.geomspace(5.0, 20.0, 8)
@@ -123,7 +123,7 @@ def survival(minutes: float) -> None:
 def response(rig: object, strut: int, amplitude: float) -> np.ndarray:
     """True response of a strut in BAND: 20 s of multisine on it alone, by the ratio of spectra, 6 trials averaged."""
     from satvib_plant_sim.disturbance import make_disturbance
-    from satvib_plant_sim.plant import Plant
+    from satvib_plant_sim.plant.plant import Plant
 
     rate = rig.acquisition.sample_rate
     plant = Plant([rig] * 6, make_disturbance({'kind': 'none'}), list(range(6)))
@@ -148,8 +148,8 @@ def response(rig: object, strut: int, amplitude: float) -> np.ndarray:
 def trust(trials: int) -> None:
     """What the verdict says and what is true, on the rigs: 1 s at rest, 2 s of excitation of all struts at once."""
     from satvib_plant_sim.disturbance import make_disturbance
-    from satvib_plant_sim.plant import Plant
-    from satvib_plant_sim.rig import load_rig
+    from satvib_plant_sim.plant.plant import Plant
+    from satvib_plant_sim.rig.rig import load_rig
 
     heading('rig', 'n/m', 'signal', 'peak [V]', 'estimator', 'largest error, true',
             'as the residual tells', 'as the covariance tells', 'trusted')  # fmt: skip
@@ -207,7 +207,7 @@ def study(figures: Path | None) -> None:
         for cells in result.table():
             row(*cells)
         if figures is not None:
-            from satvib_ident.study_plots import save_figures
+            from satvib_studies.signal_study.plots import save_figures
 
             save_figures(result, figures / estimator)
 

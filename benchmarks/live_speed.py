@@ -14,9 +14,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from satvib_bringup.experiment import run_experiment
-from satvib_bringup.progress import Progress
-from satvib_bringup.scenario import load_scenario
+from satvib_bringup.live.progress import Progress
+from satvib_bringup.live.run import run_experiment
+from satvib_experiment.scenario.scenario import load_scenario
 
 TICK = os.sysconf('SC_CLK_TCK')
 

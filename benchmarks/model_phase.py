@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from satvib_bringup.closed_loop import ClosedLoop
-from satvib_bringup.scenario import Scenario, load_scenario
-from satvib_plant_sim.sampled import discrete_strut_model
+from satvib_experiment.scenario.scenario import Scenario, load_scenario
+from satvib_experiment.twin.closed_loop import ClosedLoop
+from satvib_plant_sim.responses.one_strut import discrete_strut_model
 
 FREQUENCIES = np.array([10.0, 20.0])
 RATES = (100.0, 200.0, 500.0, 1000.0)

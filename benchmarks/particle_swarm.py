@@ -19,10 +19,10 @@ from collections.abc import Callable
 import cma
 import numpy as np
 from numpy.typing import NDArray
-from satvib_bringup.tuning.cost import CostSettings, TuningCost
-from satvib_control.particle_swarm import ParticleSwarm, SwarmSettings
 from satvib_plant_sim.disturbance import make_disturbance
-from satvib_plant_sim.rig import load_rig
+from satvib_plant_sim.rig.rig import load_rig
+from satvib_studies.tuning.cost import CostSettings, TuningCost
+from satvib_studies.tuning.particle_swarm import ParticleSwarm, SwarmSettings
 from scipy.optimize import differential_evolution
 
 Array = NDArray[np.float64]

@@ -21,14 +21,14 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from satvib_bringup.closed_loop import ClosedLoop
-from satvib_bringup.scenario import Scenario, load_scenario
-from satvib_bringup.study_table import fill
 from satvib_common.phases import Phase
-from satvib_ident.iir_model import IirModel
-from satvib_plant_sim.rig import Rig, load_rig
-
-from satvib_control import feedforward, narrowband
+from satvib_control.laws.feedforward import law as feedforward
+from satvib_control.laws.narrowband import law as narrowband
+from satvib_experiment.scenario.scenario import Scenario, load_scenario
+from satvib_experiment.twin.closed_loop import ClosedLoop
+from satvib_ident.models.iir_model import IirModel
+from satvib_plant_sim.rig.rig import Rig, load_rig
+from satvib_studies.sweep.tables import fill
 
 PHASES = (
     'phases=[{phase: CALIBRATE, start: 0.0}, {phase: IDENTIFY, start: 0.5}, {phase: ADAPT, start: 2.5},'

@@ -15,14 +15,14 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
-from satvib_bringup.analysis.levels import decibel, tone_level
-from satvib_bringup.closed_loop import ClosedLoop
-from satvib_bringup.scenario import load_scenario
-from satvib_bringup.study_table import fill
 from satvib_common.phases import Phase
-from satvib_control.tone_response import taps
-from satvib_ident.iir_model import IirModel
-from satvib_plant_sim.rig import load_rig
+from satvib_control.laws.narrowband.model_correction import taps
+from satvib_experiment.analysis.levels import decibel, tone_level
+from satvib_experiment.scenario.scenario import load_scenario
+from satvib_experiment.twin.closed_loop import ClosedLoop
+from satvib_ident.models.iir_model import IirModel
+from satvib_plant_sim.rig.rig import load_rig
+from satvib_studies.sweep.tables import fill
 
 Array = NDArray[np.float64]
 RIGS = ('paper_1dof', 'clean_1dof')

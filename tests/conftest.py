@@ -50,7 +50,7 @@ def own_domain(folder: Path) -> Iterator[None]:
         patch.setenv('ROS_DOMAIN_ID', str(number))
         patch.setenv('ROS_LOG_DIR', str(folder / 'ros_log'))
         patch.setenv('ROS_PYTHON_CHECK_FIELDS', '1')
-        from satvib_bringup.installed import use_profiles
+        from satvib_bringup.live.workspace import use_profiles
 
         use_profiles()
         yield
@@ -73,8 +73,8 @@ class NodeProcess:
     """An installed executable with one node."""
 
     def __init__(self, package: str, executable: str, arguments: list[str], folder: Path) -> None:
-        from satvib_bringup.installed import executable as installed
-        from satvib_bringup.installed import graph_environment
+        from satvib_bringup.live.workspace import executable as installed
+        from satvib_bringup.live.workspace import graph_environment
 
         self.name = executable
         self.log = folder / f'{executable}-{time.monotonic_ns()}.log'

@@ -24,9 +24,9 @@ MAY_IMPORT = {
 }
 # the control laws know these parts of identification and nothing else of it
 SHARED_IDENTIFICATION = (
-    'satvib_ident.iir_model',
+    'satvib_ident.models.iir_model',
     'satvib_ident.excitation',
-    'satvib_ident.model_file',
+    'satvib_ident.models.model_file',
 )
 
 

@@ -62,7 +62,7 @@ def test_a_goal_runs_and_is_reported(start, probe, tmp_path):
 def test_a_goal_is_cancelled(start, probe, tmp_path):
     """Truth: the action's protocol. Cancelled, everything stopped, the bag is readable."""
     from action_msgs.msg import GoalStatus
-    from satvib_bringup.bag import read_recording
+    from satvib_experiment.recording.bag_reader import read_recording
 
     server = start('satvib_bringup', 'experiment')
     made, feedback = client(probe), []

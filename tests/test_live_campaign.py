@@ -9,13 +9,13 @@ import numpy as np
 
 def test_the_worst_trial_runs_again_as_a_live_graph(tmp_path, new_domain):
     """Truth: the fingerprint of all voltages that the campaign's batch left in its table; equal in every bit."""
-    from satvib_bringup.bag import read_recording
-    from satvib_bringup.campaign.metrics_kernel import fingerprint
-    from satvib_bringup.campaign.report import summarize
-    from satvib_bringup.campaign.run import begin, go_on
-    from satvib_bringup.campaign.settings import Campaign
-    from satvib_bringup.experiment import run_experiment
-    from satvib_bringup.scenario import load_scenario
+    from satvib_bringup.live.run import run_experiment
+    from satvib_experiment.recording.bag_reader import read_recording
+    from satvib_experiment.scenario.scenario import load_scenario
+    from satvib_studies.campaign.measures.metrics_kernel import fingerprint
+    from satvib_studies.campaign.report.page import summarize
+    from satvib_studies.campaign.run import begin, go_on
+    from satvib_studies.campaign.settings import Campaign
 
     campaign = Campaign(
         name='live', scenario='quick_3dof', trials=12,

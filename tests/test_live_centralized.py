@@ -19,11 +19,11 @@ SETTINGS = [
 
 def test_one_controller_for_all_equals_the_offline_twin(tmp_path, domain):  # noqa: ARG001
     """Truth: the offline twin, every bit of every field but those of the machine."""
-    from satvib_bringup.bag import read_recording
-    from satvib_bringup.closed_loop import simulate
-    from satvib_bringup.experiment import run_experiment
-    from satvib_bringup.recording import differences
-    from satvib_bringup.scenario import load_scenario
+    from satvib_bringup.live.run import run_experiment
+    from satvib_experiment.recording.bag_reader import read_recording
+    from satvib_experiment.recording.recording import differences
+    from satvib_experiment.scenario.scenario import load_scenario
+    from satvib_experiment.twin.closed_loop import simulate
 
     scenario = load_scenario('soft_3dof', SETTINGS)
     outcome = run_experiment(scenario, tmp_path / 'run')

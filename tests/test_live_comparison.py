@@ -27,14 +27,14 @@ SCHEMES = {'adaptive': ADAPTIVE, 'centralized': CENTRALIZED}
 
 
 def scenario_of(scheme, *more):
-    from satvib_bringup.scenario import load_scenario
+    from satvib_experiment.scenario.scenario import load_scenario
 
     return load_scenario('soft_3dof', [*SETTINGS, *SCHEMES[scheme], *more])
 
 
 def run_live(scenario, folder, realtime=False):
-    from satvib_bringup.bag import read_recording
-    from satvib_bringup.experiment import run_experiment
+    from satvib_bringup.live.run import run_experiment
+    from satvib_experiment.recording.bag_reader import read_recording
 
     outcome = run_experiment(scenario, folder, realtime=realtime)
     assert outcome.success, outcome.message
@@ -50,8 +50,8 @@ def level(recording, start, stop):
 @pytest.mark.parametrize('scheme', SCHEMES)
 def test_an_actuator_lost_in_the_run(scheme, tmp_path, domain):  # noqa: ARG001
     """Truth: the offline twin, bit for bit; and the strut without its actuator shakes more than the others."""
-    from satvib_bringup.closed_loop import simulate
-    from satvib_bringup.recording import differences
+    from satvib_experiment.recording.recording import differences
+    from satvib_experiment.twin.closed_loop import simulate
 
     scenario = scenario_of(scheme, 'failures=[{kind: actuator_lost, strut: 1, time: 4.5}]')
     run = run_live(scenario, tmp_path / 'run')
@@ -66,8 +66,8 @@ def test_another_payload_is_identified_anew(tmp_path, domain):  # noqa: ARG001
 
     The payload is 30 % lighter than that for which the centralized gains were tuned; both have the same disturbance.
     """
-    from satvib_bringup.closed_loop import simulate
-    from satvib_bringup.recording import differences
+    from satvib_experiment.recording.recording import differences
+    from satvib_experiment.twin.closed_loop import simulate
 
     lighter = 'rig.payload.mass=6.3'
     retuned = scenario_of('adaptive', lighter)
@@ -86,7 +86,7 @@ MODEST = {
 
 def answers(scenario, run, struts):
     """What the scheme's own core answers to the samples that the live one answered, one strut or all."""
-    from satvib_control.centralized_core import make_core
+    from satvib_control.core.centralized import make_core
 
     rate = 1.0 / run.sample_period
     parameters = scenario.controller_parameters(rate, strut=struts[0], struts=3)
@@ -104,8 +104,8 @@ def test_a_controller_killed_in_the_run(scheme, tmp_path, domain):  # noqa: ARG0
     Decentralized, the other two go on to the end; centralized, every strut is on its own. What comes of the voltages
     depends on how late the machine is: where it is punctual (1 % late on two cores) the twin says it to 3 dB.
     """
-    from satvib_bringup.closed_loop import simulate, simulate_open_loop
-    from satvib_bringup.scenario import load_scenario
+    from satvib_experiment.scenario.scenario import load_scenario
+    from satvib_experiment.twin.closed_loop import simulate, simulate_open_loop
 
     dead = [0] if scheme == 'decentralized' else [0, 1, 2]
     alive = [i for i in range(3) if i not in dead]

@@ -49,7 +49,7 @@ class Killer:
 @pytest.fixture
 def long_run():
     """One strut, few processes, and more samples than any test waits for."""
-    from satvib_bringup.scenario import load_scenario
+    from satvib_experiment.scenario.scenario import load_scenario
 
     scenario = load_scenario('paper_1dof_10hz')
     return scenario.replace(duration=3000.0)
@@ -69,8 +69,8 @@ def test_killing_a_node_ends_the_run(executable, name, long_run, tmp_path):
 
     Soon is 3 s; where the machine is so busy that the start took more than 4 s (3.6 on two cores), 3/4 of that.
     """
-    from satvib_bringup.bag import read_recording
-    from satvib_bringup.experiment import run_experiment
+    from satvib_bringup.live.run import run_experiment
+    from satvib_experiment.recording.bag_reader import read_recording
 
     folder = tmp_path / 'run'
     killer = Killer(folder, executable)
@@ -88,7 +88,7 @@ def test_killing_a_node_ends_the_run(executable, name, long_run, tmp_path):
 
 def test_not_a_number_on_the_voltage_topic(long_run, tmp_path, probe):
     """Truth: the issue's bar. The run ends with exit code 2 and one line that names strut and sample."""
-    from satvib_bringup.experiment import run_experiment
+    from satvib_bringup.live.run import run_experiment
 
     from satvib_msgs.msg import VcaVoltage
 
@@ -108,14 +108,14 @@ def test_not_a_number_on_the_voltage_topic(long_run, tmp_path, probe):
 
 def test_killing_the_runner_leaves_no_process(tmp_path):
     """Truth: /proc. The kernel tells the children, and they close their files."""
-    from satvib_bringup.bag import read_recording
+    from satvib_experiment.recording.bag_reader import read_recording
 
     folder = tmp_path / 'run'
     program = (
         'import sys\n'
         'from pathlib import Path\n'
-        'from satvib_bringup.scenario import load_scenario\n'
-        'from satvib_bringup.experiment import run_experiment\n'
+        'from satvib_experiment.scenario.scenario import load_scenario\n'
+        'from satvib_bringup.live.run import run_experiment\n'
         "scenario = load_scenario('paper_1dof_10hz').replace(duration=3000.0)\n"
         'run_experiment(scenario, Path(sys.argv[1]), progress=lambda p: print(p.sequence, flush=True))\n'
     )
@@ -142,9 +142,9 @@ def test_killing_the_runner_leaves_no_process(tmp_path):
 
 def test_two_graphs_do_not_share_a_domain(tmp_path, start, probe):
     """Truth: the first graph's node is seen, before anything starts or at the latest when all are there."""
-    from satvib_bringup.experiment import run_experiment
-    from satvib_bringup.scenario import load_scenario
+    from satvib_bringup.live.run import run_experiment
     from satvib_common.errors import SatvibError
+    from satvib_experiment.scenario.scenario import load_scenario
 
     start('satvib_control', 'strut_controller', '/strut_1')
     own = ('strut_controller', '/strut_1')
@@ -160,9 +160,9 @@ def test_two_graphs_do_not_share_a_domain(tmp_path, start, probe):
 
 def test_an_existing_folder_is_refused(tmp_path):
     """Truth: the folder's content stays as it was."""
-    from satvib_bringup.experiment import run_experiment
-    from satvib_bringup.scenario import load_scenario
+    from satvib_bringup.live.run import run_experiment
     from satvib_common.errors import SatvibError
+    from satvib_experiment.scenario.scenario import load_scenario
 
     (tmp_path / 'mine').write_text('mine')
     with pytest.raises(SatvibError, match='exists already'):

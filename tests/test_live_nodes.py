@@ -125,7 +125,7 @@ def test_signals_end_every_node_cleanly(start, probe, tmp_path):
 
 IN_THE_LOCK = """
 import os, signal, sys
-from satvib_ident.strut_identifier_node import main
+from satvib_ident.nodes.strut_identifier_node import main
 def hook(frame, event, _):
     names = [frame.f_code.co_name]
     while frame.f_back and len(names) < 3:
@@ -142,7 +142,7 @@ main()
 
 def test_a_signal_ends_a_node_that_holds_a_lock(domain, tmp_path):  # noqa: ARG001
     """Truth: the house rule. The signal comes while the main loop holds the lock of the future it is to wait for."""
-    from satvib_bringup.installed import graph_environment
+    from satvib_bringup.live.workspace import graph_environment
 
     done = subprocess.run(
         [sys.executable, '-c', IN_THE_LOCK],
@@ -351,9 +351,9 @@ def start_process(start, process):
 def test_real_time_begins_when_all_have_found_one_another(start, probe):
     """Truth: what a node says of itself. The runner's graph is complete, yet a node says that it hears nothing."""
     from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-    from satvib_bringup.graph import graph_of
-    from satvib_bringup.observer import Observer
-    from satvib_bringup.scenario import load_scenario
+    from satvib_bringup.live.graph import graph_of
+    from satvib_bringup.live.observer import Observer
+    from satvib_experiment.scenario.scenario import load_scenario
 
     graph = graph_of(load_scenario('paper_1dof_10hz'), realtime=True)
     with Observer(graph) as observer:
@@ -372,8 +372,8 @@ def test_real_time_begins_when_all_have_found_one_another(start, probe):
 
 def test_the_schedule_of_real_time_waits_for_who_comes_late(start, probe):
     """Truth: the first hundred samples, one by one. The controller comes long after schedule and plant."""
-    from satvib_bringup.graph import Stage, graph_of
-    from satvib_bringup.scenario import load_scenario
+    from satvib_bringup.live.graph import Stage, graph_of
+    from satvib_experiment.scenario.scenario import load_scenario
 
     from satvib_msgs.msg import VcaVoltage
 

@@ -24,8 +24,8 @@ FIELDS = {
 @pytest.fixture(scope='session')
 def live(tmp_path_factory, new_domain):
     """One recorded run of the shortest scenario, and the scenario."""
-    from satvib_bringup.experiment import run_experiment
-    from satvib_bringup.scenario import load_scenario
+    from satvib_bringup.live.run import run_experiment
+    from satvib_experiment.scenario.scenario import load_scenario
 
     folder = tmp_path_factory.mktemp('live')
     scenario = load_scenario('quick_3dof')
@@ -37,7 +37,7 @@ def live(tmp_path_factory, new_domain):
 
 
 def recorded(path):
-    from satvib_bringup.bag import read_recording
+    from satvib_experiment.recording.bag_reader import read_recording
 
     return read_recording(path)
 
@@ -62,7 +62,7 @@ def different_bits(one, other):
 
 def test_live_equals_the_offline_twin(live):
     """Truth: the offline twin, which shares the cores and nothing of ROS. Every bit of every sample."""
-    from satvib_bringup.closed_loop import simulate
+    from satvib_experiment.twin.closed_loop import simulate
 
     scenario, outcome, _ = live
     run, twin = recorded(outcome.bag), simulate(scenario)
@@ -72,7 +72,7 @@ def test_live_equals_the_offline_twin(live):
 
 def test_a_second_run_is_the_same_and_another_seed_is_not(live, tmp_path, new_domain):
     """Truth: the first run, bit for bit; with another seed the measured samples must differ."""
-    from satvib_bringup.experiment import run_experiment
+    from satvib_bringup.live.run import run_experiment
 
     scenario, outcome, _ = live
     with new_domain(tmp_path):

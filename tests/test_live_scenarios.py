@@ -37,11 +37,11 @@ FIELDS = {
 
 def check(name, folder, new_domain, *changes):
     """Run a scenario live, hold it against its twin and its bars."""
-    from satvib_bringup.analysis import analyse
-    from satvib_bringup.bag import read_recording
-    from satvib_bringup.closed_loop import simulate
-    from satvib_bringup.experiment import run_experiment
-    from satvib_bringup.scenario import load_scenario
+    from satvib_bringup.live.run import run_experiment
+    from satvib_experiment.analysis import analyse
+    from satvib_experiment.recording.bag_reader import read_recording
+    from satvib_experiment.scenario.scenario import load_scenario
+    from satvib_experiment.twin.closed_loop import simulate
 
     scenario = load_scenario(name, list(changes))
     with new_domain(folder):

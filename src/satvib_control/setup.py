@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
 from setuptools import find_packages, setup
 
 NAME = 'satvib_control'
@@ -7,17 +9,15 @@ NAME = 'satvib_control'
 setup(
     name=NAME,
     version='0.1.0',
-    packages=find_packages(exclude=['test']),
+    packages=find_packages(exclude=['test', 'test.*']),
+    package_data={NAME: ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
-        (
-            f'share/{NAME}/config',
-            ['config/strut_controller.yaml', 'config/centralized_controller.yaml'],
-        ),
+        (f'share/{NAME}/config', sorted(map(str, Path('config').glob('*.yaml')))),
     ],
     install_requires=['setuptools'],
-    zip_safe=True,
+    zip_safe=False,
     maintainer='satvib maintainers',
     maintainer_email='maintainers@satvib.invalid',
     description='Decentralized and centralized control laws for active vibration isolation',
@@ -25,8 +25,8 @@ setup(
     extras_require={'test': ['pytest']},
     entry_points={
         'console_scripts': [
-            'strut_controller = satvib_control.strut_controller_node:main',
-            'centralized_controller = satvib_control.centralized_controller_node:main',
+            'strut_controller = satvib_control.nodes.strut_controller_node:main',
+            'centralized_controller = satvib_control.nodes.centralized_controller_node:main',
         ],
     },
 )

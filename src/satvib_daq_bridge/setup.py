@@ -7,14 +7,14 @@ NAME = 'satvib_daq_bridge'
 setup(
     name=NAME,
     version='0.1.0',
-    packages=find_packages(exclude=['test']),
+    packages=find_packages(exclude=['test', 'test.*']),
     package_data={NAME: ['py.typed', 'config/*.yaml']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
     ],
     install_requires=['setuptools'],
-    zip_safe=True,
+    zip_safe=False,
     maintainer='satvib maintainers',
     maintainer_email='maintainers@satvib.invalid',
     description='The loop on real hardware: channels, calibration, output guard, back ends',
@@ -22,8 +22,8 @@ setup(
     extras_require={'test': ['pytest'], 'nidaqmx': ['nidaqmx[grpc]'], 'iio': ['pylibiio<1']},
     entry_points={
         'console_scripts': [
-            f'daq_bridge = {NAME}.daq_bridge_node:main',
-            f'daq_emulator = {NAME}.emulator:main',
-        ]
+            'daq_bridge = satvib_daq_bridge.nodes.daq_bridge_node:main',
+            'daq_emulator = satvib_daq_bridge.simulated.emulator:main',
+        ],
     },
 )

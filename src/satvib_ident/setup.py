@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
 from setuptools import find_packages, setup
 
 NAME = 'satvib_ident'
@@ -7,20 +9,23 @@ NAME = 'satvib_ident'
 setup(
     name=NAME,
     version='0.1.0',
-    packages=find_packages(exclude=['test']),
+    packages=find_packages(exclude=['test', 'test.*']),
+    package_data={NAME: ['py.typed']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
-        (f'share/{NAME}/config', ['config/strut_identifier.yaml']),
+        (f'share/{NAME}/config', sorted(map(str, Path('config').glob('*.yaml')))),
     ],
     install_requires=['setuptools'],
-    zip_safe=True,
+    zip_safe=False,
     maintainer='satvib maintainers',
     maintainer_email='maintainers@satvib.invalid',
     description='Recursive identification of IIR models, excitation and its measures',
     license='Apache-2.0',
     extras_require={'test': ['pytest']},
     entry_points={
-        'console_scripts': ['strut_identifier = satvib_ident.strut_identifier_node:main'],
+        'console_scripts': [
+            'strut_identifier = satvib_ident.nodes.strut_identifier_node:main',
+        ],
     },
 )

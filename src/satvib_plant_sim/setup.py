@@ -9,14 +9,14 @@ NAME = 'satvib_plant_sim'
 setup(
     name=NAME,
     version='0.1.0',
-    packages=find_packages(exclude=['test']),
+    packages=find_packages(exclude=['test', 'test.*']),
+    package_data={NAME: ['py.typed', 'rigs/*.yaml']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
-        (f'share/{NAME}/config', ['config/plant_sim.yaml']),
-        (f'share/{NAME}/rigs', sorted(map(str, Path(NAME, 'rigs').glob('*.yaml')))),
+        (f'share/{NAME}/config', sorted(map(str, Path('config').glob('*.yaml')))),
+        (f'share/{NAME}/rigs', sorted(map(str, Path('satvib_plant_sim/rigs').glob('*.yaml')))),
     ],
-    package_data={NAME: ['py.typed', 'rigs/*.yaml']},
     install_requires=['setuptools'],
     zip_safe=False,
     maintainer='satvib maintainers',
@@ -25,6 +25,8 @@ setup(
     license='Apache-2.0',
     extras_require={'test': ['pytest']},
     entry_points={
-        'console_scripts': ['plant_sim = satvib_plant_sim.plant_sim_node:main'],
+        'console_scripts': [
+            'plant_sim = satvib_plant_sim.nodes.plant_sim_node:main',
+        ],
     },
 )

@@ -64,15 +64,15 @@ class Stand:
     def start_emulator(self, *arguments, rig='paper_3dof'):
         child = self.start(
             'emulator',
-            ['-m', 'satvib_daq_bridge.emulator', '--rig', rig, '--link', self.port, '--log', self.log,
+            ['-m', 'satvib_daq_bridge.simulated.emulator', '--rig', rig, '--link', self.port, '--log', self.log,
              *arguments],
         )  # fmt: skip
         assert select.select([child.stdout], [], [], LIMIT)[0], self.said('emulator')
         assert child.stdout.readline().startswith(b'ready'), self.said('emulator')
 
     def write_channels(self, rig='paper_3dof', overrides=None, **changes):
-        from satvib_daq_bridge.from_rig import channels_of
-        from satvib_plant_sim.rig import load_rig
+        from satvib_daq_bridge.simulated.channels_from_rig import channels_of
+        from satvib_plant_sim.rig.rig import load_rig
 
         changes = {'back_end': 'serial', 'device': str(self.port), **changes}
         self.channels.write_text(yaml.safe_dump(channels_of(load_rig(rig, overrides), **changes)))
@@ -86,7 +86,7 @@ class Stand:
         }
         given = [x for k, v in parameters.items() for x in ('-p', f'{k}:={json.dumps(v)}')]
         return self.start(
-            'bridge', ['-m', 'satvib_daq_bridge.daq_bridge_node', '--ros-args', *given]
+            'bridge', ['-m', 'satvib_daq_bridge.nodes.daq_bridge_node', '--ros-args', *given]
         )
 
     def start_answerers(self, voltage=1.0):

@@ -21,9 +21,9 @@ from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
-from satvib_bringup.graph import Stage, graph_of
-from satvib_bringup.installed import graph_environment
-from satvib_bringup.scenario import load_scenario
+from satvib_bringup.live.graph import Stage, graph_of
+from satvib_bringup.live.workspace import graph_environment
+from satvib_experiment.scenario.scenario import load_scenario
 
 ARGUMENTS = {
     'scenario': ('paper_3dof', 'name of a scenario, or path of its YAML file'),

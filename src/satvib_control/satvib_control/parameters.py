@@ -345,7 +345,7 @@ class ControllerParameters(LoopParameters):
 
     def check(self) -> None:
         """Check what no single field can tell."""
-        from satvib_control.law import law_class
+        from satvib_control.laws.base import law_class
 
         for part in self.law.split('+'):
             law_class(part.strip())

@@ -5,9 +5,9 @@
 import numpy as np
 import pytest
 from satvib_common.phases import Phase, PhasePlan
-from satvib_control.controller import ControllerCore
+from satvib_control.core.controller import ControllerCore
 from satvib_control.parameters import ControllerParameters
-from satvib_ident.iir_model import IirModel
+from satvib_ident.models.iir_model import IirModel
 from scipy.linalg import expm
 
 
@@ -53,8 +53,8 @@ class Loop:
     """y = G u + d, closed by a ControllerCore, for any batch shape; the model is handed over as the graph does."""
 
     def __init__(self, parameters, model, plan, shape=(), identified=None, trusted=True):
-        from satvib_common.iir import IirFilter
-        from satvib_control.polynomial import model_polynomials
+        from satvib_common.signals.iir_filter import IirFilter
+        from satvib_control.model_analysis.transfer import model_polynomials
 
         self.core = ControllerCore(parameters, shape)
         self.plan, self.shape = plan, shape

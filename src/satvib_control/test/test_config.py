@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from satvib_common.schema import load_yaml
-from satvib_control.centralized_parameters import CentralizedParameters
+from satvib_control.laws.centralized.parameters import CentralizedParameters
 from satvib_control.parameters import ControllerParameters
 
 FILES = sorted((Path(__file__).resolve().parents[1] / 'config').glob('*.yaml'))

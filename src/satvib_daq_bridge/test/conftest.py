@@ -4,8 +4,8 @@
 
 import pytest
 from satvib_daq_bridge.channels import parse_channels
-from satvib_daq_bridge.from_rig import channels_of
-from satvib_plant_sim.rig import load_rig
+from satvib_daq_bridge.simulated.channels_from_rig import channels_of
+from satvib_plant_sim.rig.rig import load_rig
 
 
 @pytest.fixture

@@ -17,20 +17,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from satvib_common.calibration import BiasCalibration
 from satvib_common.phases import Phase
 from satvib_common.sequence import Arrival, SequenceTracker
+from satvib_common.signals.calibration import BiasCalibration
 from scipy.special import chdtri
 
-from satvib_ident import ud
-from satvib_ident.estimators import make_estimator, make_regressor
-from satvib_ident.iir_model import IirModel
-from satvib_ident.measures import RecentSignal
-from satvib_ident.model_error import ModelError
+from satvib_ident.covariance import ud
+from satvib_ident.estimators.factory import make_estimator, make_regressor
+from satvib_ident.models.iir_model import IirModel
+from satvib_ident.models.polynomials import pole_modulus
 from satvib_ident.parameters import IdentifierParameters
-from satvib_ident.polynomials import pole_modulus
-from satvib_ident.response_deviation import ResponseDeviation
-from satvib_ident.trust import Verdict, judge
+from satvib_ident.trust.checks import Verdict, judge
+from satvib_ident.trust.measures import RecentSignal
+from satvib_ident.trust.model_error import ModelError
+from satvib_ident.trust.response_deviation import ResponseDeviation
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from satvib_ident.estimators.regressor import IirRegressor
 from satvib_ident.excitation import make_excitation
-from satvib_ident.iir_model import IirModel
-from satvib_ident.regressor import IirRegressor
+from satvib_ident.models.iir_model import IirModel
 
 
 @pytest.fixture

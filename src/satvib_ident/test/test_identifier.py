@@ -8,7 +8,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_ident.excitation import make_excitation
 from satvib_ident.identifier import IdentifierCore
-from satvib_ident.iir_model import IirModel
+from satvib_ident.models.iir_model import IirModel
 from satvib_ident.parameters import ESTIMATORS, FORGETTING, IdentifierParameters
 
 PLANT = IirModel([-0.460, 0.158], [0.6, -1.0, 0.3], 1, 0.01)
@@ -197,7 +197,7 @@ def test_every_choice_runs_and_reports_finite_parameters(record, estimator, forg
 
 
 def test_verdicts_name_what_is_wrong(record):
-    """Truth: each record or setting breaks one check of satvib_ident.trust, named first."""
+    """Truth: each record or setting breaks one check of satvib_ident.trust.checks, named first."""
     cases = [
         ({}, record('sines'), 'the input excites order 4, 5 parameters need 5'),
         ({}, record(amplitude=0.0), '0 samples used of 50'),

@@ -25,8 +25,8 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from satvib_common.errors import RunError, SatvibError
+from satvib_common.realtime import set_priority, set_processor, settle_memory
 from satvib_common.ros.node import DRAIN, SatvibNode
-from satvib_common.ros.realtime import set_priority, set_processor, settle_memory
 
 # s, the longest time between two looks at signals
 _SLICE = 0.1

@@ -27,11 +27,11 @@ from rclpy.timer import Timer
 from std_srvs.srv import Trigger
 
 from satvib_common.errors import RunError, SatvibError
+from satvib_common.realtime import tidy_memory
 from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF, Diagnostics
 from satvib_common.ros.names import shared, strut_of
 from satvib_common.ros.parameters import NodeParameters
 from satvib_common.ros.qos import offered, overridable
-from satvib_common.ros.realtime import tidy_memory
 from satvib_common.schema import Schema
 
 P = TypeVar('P', bound=Schema)

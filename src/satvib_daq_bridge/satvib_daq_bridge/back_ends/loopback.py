@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from satvib_common.schema import Schema, param
-from satvib_plant_sim.rig import load_rig
+from satvib_plant_sim.rig.rig import load_rig
 
 from satvib_daq_bridge.back_ends.base import (
     Array,
@@ -23,8 +23,8 @@ from satvib_daq_bridge.back_ends.base import (
     single_device,
 )
 from satvib_daq_bridge.back_ends.paced import PACES, Paced
-from satvib_daq_bridge.bench import Bench
 from satvib_daq_bridge.channels import Channels
+from satvib_daq_bridge.simulated.bench import Bench
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,8 +22,8 @@ from satvib_daq_bridge.back_ends.base import (
     options_of,
 )
 from satvib_daq_bridge.back_ends.paced import PACES, Paced
+from satvib_daq_bridge.back_ends.sensor_record import read_bag, read_csv
 from satvib_daq_bridge.channels import Channels
-from satvib_daq_bridge.record import read_bag, read_csv
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,14 +23,14 @@ Automatica 36, 2000; B. Lai and D. S. Bernstein, SIFt-RLS, arXiv:2404.10844, 202
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
-from satvib_common.kernel import kernel
+from satvib_common.kernels.compile import kernel
 
-from satvib_ident.eigenvalues import is_positive, rotate
+from satvib_ident.covariance.eigenvalues import is_positive, rotate
+from satvib_ident.covariance.ud import forget_one
 from satvib_ident.forgetting.exponential import checked_factor
 from satvib_ident.forgetting.none import NoForgetting
 from satvib_ident.forgetting.protocol import Factors
 from satvib_ident.forgetting.variable_rate import VariableRateForgetting, tested_factor
-from satvib_ident.ud import forget_one
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -19,7 +19,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
-from satvib_common.kernel import kernel
+from satvib_common.kernels.compile import kernel
 from scipy.special import fdtri
 
 from satvib_ident.forgetting.none import NoForgetting

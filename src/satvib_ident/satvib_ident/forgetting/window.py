@@ -13,11 +13,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
-from satvib_common.kernel import kernel
+from satvib_common.kernels.compile import kernel
 
+from satvib_ident.covariance.ud import add_one, measure_one
 from satvib_ident.forgetting.none import ONE, NoForgetting
 from satvib_ident.forgetting.protocol import Factors
-from satvib_ident.ud import add_one, measure_one
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
-from satvib_common.kernel import kernel
+from satvib_common.kernels.compile import kernel
 from satvib_common.schema import param
 from scipy.signal import fftconvolve, firwin
 

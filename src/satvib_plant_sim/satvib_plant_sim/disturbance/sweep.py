@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from satvib_common.errors import SatvibError
-from satvib_common.kernel import Kernel, kernel
+from satvib_common.kernels.compile import Kernel, kernel
 from satvib_common.schema import param
 
 from satvib_plant_sim.disturbance.base import Disturbance, Transfer

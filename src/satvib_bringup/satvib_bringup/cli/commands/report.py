@@ -1,0 +1,36 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""`satvib report`: the report of a bag or of a simulated run."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def report(
+    source: Annotated[
+        Path,
+        typer.Argument(
+            help="A run's folder, a bag's folder, an .mcap file, or a recording.npz.",
+            metavar='BAG',
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            '--output', '-o', help='Where to. Without it: <name of the bag>-report.', metavar='DIR'
+        ),
+    ] = None,
+) -> None:
+    """Write report.html, result.json and figures/ of a recorded run, and print its table."""
+    from satvib_experiment.recording.load import load_recording
+    from satvib_experiment.report import write_report
+    from satvib_experiment.report.build import refuse_existing
+
+    from satvib_bringup.cli.console import make_console, show_result
+
+    folder = output or source.with_name(f'{source.stem}-report')
+    refuse_existing(folder)
+    written = write_report(load_recording(source), folder)
+    show_result(make_console(), written.result, written.page)

@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""`satvib run` and `satvib demo`: a scenario as a live ROS 2 graph, recorded and reported."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from satvib_common.errors import RunError, SatvibError
+
+from satvib_bringup.cli.options import Folder, ScenarioName, Settings
+
+if TYPE_CHECKING:
+    from satvib_bringup.live.progress import Outcome
+
+Realtime = Annotated[
+    bool,
+    typer.Option(
+        '--realtime', help='At the pace of the clock, instead of in lockstep as fast as it goes.'
+    ),
+]
+
+
+def demo(
+    settings: Settings = None,
+    folder: Folder = None,
+    realtime: Realtime = False,
+) -> None:
+    """The paper's 3-DOF experiment, live: one plant, three identifiers, three controllers, a bag, a report."""
+    _run('paper_3dof', settings, folder, realtime)
+
+
+def run(
+    scenario: ScenarioName,
+    settings: Settings = None,
+    folder: Folder = None,
+    realtime: Realtime = False,
+) -> None:
+    """Run a scenario as a live graph of processes, record it to a bag, and report.
+
+    Writes bag/, logs, scenario.yaml, report.html, result.json and figures/ into a new folder.
+    """
+    _run(scenario, settings, folder, realtime)
+
+
+def _run(name: str, settings: list[str] | None, folder: Path | None, realtime: bool) -> None:
+    from satvib_experiment.recording.bag_reader import read_recording
+    from satvib_experiment.recording.run_folder import free_run_folder, write_scenario
+    from satvib_experiment.report import write_report
+    from satvib_experiment.scenario.scenario import load_scenario
+
+    from satvib_bringup.cli.console import ProgressView, make_console, show_result
+
+    scenario = load_scenario(name, settings or [])
+    target = free_run_folder(scenario.name, folder)
+    run_experiment = _experiment()
+    console = make_console()
+    with ProgressView(console, scenario.duration, f'run {scenario.name}') as view:
+        outcome = run_experiment(
+            scenario,
+            target,
+            realtime=realtime,
+            record=True,
+            progress=lambda p: view.update(p.phase, p.time, p.attenuation),
+        )
+    write_scenario(scenario, target)
+    if not outcome.success:
+        error = SatvibError if outcome.exit_code == 2 else RunError
+        raise error(f'{outcome.message}; logs and what was recorded are in {target}')
+    console.print(outcome.message, style='dim')
+    report = write_report(read_recording(target), target)
+    show_result(console, report.result, report.page)
+
+
+def _experiment() -> 'Callable[..., Outcome]':
+    """Give `run_experiment`, which needs ROS and the built workspace.
+
+    Raises:
+        SatvibError: one of them is not there.
+    """
+    try:
+        from satvib_bringup.live.run import run_experiment
+    except ModuleNotFoundError as error:
+        raise SatvibError(
+            f'the module {error.name} is not there: a live run needs the built workspace; start '
+            'it as ./satvib, or source install/setup.bash first (`satvib simulate` needs no ROS)'
+        ) from None
+    return run_experiment

@@ -1,0 +1,40 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""`satvib simulate`: the offline twin of a live run, in one process."""
+
+from satvib_bringup.cli.options import Folder, ScenarioName, Settings
+
+
+def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder = None) -> None:
+    """Run a scenario in this process, without DDS: sample for sample what the lockstep graph does.
+
+    Writes recording.npz, scenario.yaml, report.html, result.json and figures/ into a new folder.
+    """
+    from satvib_experiment.recording.run_folder import (
+        free_run_folder,
+        make_run_folder,
+        write_scenario,
+    )
+    from satvib_experiment.report import write_report
+    from satvib_experiment.scenario.scenario import load_scenario
+    from satvib_experiment.twin.closed_loop import simulate as run_twin
+
+    from satvib_bringup.cli.console import ProgressView, make_console, show_result
+    from satvib_bringup.live.attenuation import LiveAttenuation
+
+    loaded = load_scenario(scenario, settings or [])
+    target = free_run_folder(loaded.name, folder)
+    make_run_folder(target)
+    write_scenario(loaded, target)
+    console = make_console()
+    with ProgressView(console, loaded.duration, f'simulate {loaded.name}') as view:
+        recording = run_twin(loaded, LiveAttenuation(loaded, view.update))
+        elapsed = view.elapsed
+    recording.save(target / 'recording.npz')
+    report = write_report(recording, target)
+    show_result(console, report.result, report.page)
+    console.print(
+        f'simulated {loaded.duration:g} s in {elapsed:.1f} s, '
+        f'{loaded.duration / elapsed:.0f} times real time',
+        style='dim',
+    )

@@ -1,0 +1,112 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""`satvib tune`: gains of the centralized law by particle swarm."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from satvib_bringup.cli.options import Folder, Settings
+
+RigName = Annotated[
+    str, typer.Option('--rig', help='Name of a rig (see `satvib rigs`), or the path of its file.')
+]
+DisturbanceText = Annotated[
+    str,
+    typer.Option(
+        '--disturbance',
+        help="What shakes it: YAML as in '{kind: sine, frequency: 9, amplitude: 0.5}', a YAML file, "
+        'or the name of a scenario.',
+    ),
+]
+Checkpoint = Annotated[
+    Path | None,
+    typer.Option(
+        '--checkpoint',
+        help='File that keeps the state of the search; one that is there already is gone on from.',
+    ),
+]
+
+
+def tune(
+    rig: RigName,
+    disturbance: DisturbanceText,
+    settings: Settings = None,
+    folder: Folder = None,
+    checkpoint: Checkpoint = None,
+) -> None:
+    """Find gains of the centralized law for a rig and a disturbance, good on all of a set of perturbed plants.
+
+    Writes gains.yaml, with the cost's history, and tuning.png into a new folder. `--set rig.payload.mass=12` changes
+    the rig, `--set swarm.budget=20000` and `--set cost.margin=0.4` the search.
+    """
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from satvib_common.settings_text import apply_overrides
+    from satvib_experiment.recording.run_folder import free_run_folder, make_run_folder
+    from satvib_plant_sim.rig.any_rig import load_any_rig
+    from satvib_studies.tuning.figure import draw
+    from satvib_studies.tuning.search import Search, TuneSettings, read_disturbance, write_gains
+
+    from satvib_bringup.cli.console import make_console
+
+    data: dict[str, Any] = {}
+    apply_overrides(data, settings or [])
+    loaded = load_any_rig(rig, data.pop('rig_overrides', None))
+    search = Search(loaded, read_disturbance(disturbance), TuneSettings.from_mapping(data, '--set'))
+    if checkpoint is not None:
+        search.check(checkpoint)
+    target = free_run_folder(f'tune-{loaded.name}', folder)
+    make_run_folder(target)
+    console = make_console()
+    budget = search.settings.swarm.budget
+    with Progress(
+        TextColumn('[bold]tune'), BarColumn(bar_width=24), TextColumn('{task.fields[told]}'),
+        TimeRemainingColumn(), console=console, transient=True, disable=not console.is_terminal,
+    ) as bar:  # fmt: skip
+        task = bar.add_task('tune', total=budget, told='')
+
+        def tell(swarm: Any) -> None:
+            told = f'{swarm.evaluations} of {budget} evaluations, best cost {swarm.cost_found:.5g}'
+            bar.update(task, completed=swarm.evaluations, told=told)
+            if not console.is_terminal and swarm.steps % 25 == 0:
+                console.print(f'tune: {told}')
+
+        found = search.run(tell, checkpoint)
+    write_gains(found, target / 'gains.yaml')
+    draw(found, target / 'tuning.png')
+    console.print(_table(found))
+    console.print(
+        f'ended by {found.result.reason} after {found.result.evaluations} evaluations; '
+        f'gains: {target / "gains.yaml"}, figure: {target / "tuning.png"}',
+        soft_wrap=True,
+    )
+
+
+def _table(found: Any) -> Any:
+    from rich.table import Table
+    from satvib_studies.tuning.search import UNTUNED, summary
+
+    figures = summary(found)
+    table = Table(
+        title=f'{found.rig.name}: payload against 0 V on {len(found.cost.plants)} plants; '
+        f'untuned: P = {UNTUNED:.1f} V/(m/s)'
+    )
+    columns = (
+        '',
+        'cost',
+        'attenuation\ndB',
+        'worst plant\ndB',
+        'voltage\nV RMS',
+        'margin',
+        'worst\nmargin',
+    )
+    for name in columns:
+        table.add_column(name, justify='right')
+    for name, row in figures.items():
+        cost, nominal, worst, volts, margin, least = row.values()
+        table.add_row(
+            name, f'{cost:.4f}', f'{nominal:+.1f}', f'{worst:+.1f}', f'{volts:.2f}',
+            f'{margin:.2f}', f'{least:.2f}',
+        )  # fmt: skip
+    return table

@@ -1,0 +1,111 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""A measured record as the samples of a strut: what goes out with sample k, and how far ahead it may go.
+
+The input of the record plays the voltage, its output the upper acceleration. A record whose columns are rows of the
+same instant has delay 0: y(k) already sees u(k).
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from satvib_common.errors import SatvibError
+from satvib_common.phases import Phase, PhasePlan
+from satvib_common.schema import Schema, param
+from satvib_experiment.recording.csv_columns import read_columns
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReplayParameters(Schema):
+    """Which record, and how fast."""
+
+    file: str = param('', 'CSV file with a header line, or a bag of satvib', read_only=True)
+    input: str = param('input', 'CSV: column of the input (voltage)', read_only=True)
+    output: str = param('output', 'CSV: column of the output (upper acceleration)', read_only=True)
+    strut: str = param(
+        'strut_1',
+        'strut as which it is published; of a bag, the strut that is read',
+        read_only=True,
+    )
+    sample_rate: float = param(
+        100.0, 'sample rate of a CSV record; a bag knows its own', unit='Hz', above=0.0,
+        read_only=True,
+    )  # fmt: skip
+    speed: float = param(
+        0.0,
+        'times real time; 0: as fast as the identifier follows',
+        minimum=0.0,
+        maximum=1e4,
+        read_only=True,
+    )
+    window: int = param(
+        200, 'samples that may be ahead of the identifier at speed 0', minimum=1, maximum=900,
+        read_only=True,
+    )  # fmt: skip
+    phase: str = param(
+        'IDENTIFY', 'phase of all samples', choices=tuple(p.name for p in Phase), read_only=True
+    )
+
+    def check(self) -> None:
+        """A file is needed."""
+        if not self.file:
+            raise SatvibError('file: missing; give a CSV file or a bag, as in -p file:=record.csv')
+
+
+@dataclass(frozen=True)
+class Record:
+    """A measured record.
+
+    Attributes:
+        upper, lower, voltage: (samples,) m/s^2, m/s^2, V; NaN where not known.
+        period: s.
+        plan: phases by sample.
+    """
+
+    upper: NDArray[np.float64]
+    lower: NDArray[np.float64]
+    voltage: NDArray[np.float64]
+    period: float
+    plan: PhasePlan
+
+    @property
+    def is_answered(self) -> bool:
+        """Whether an identifier answers every sample with a model."""
+        return self.plan.phases == (Phase.IDENTIFY,)
+
+
+def load_record(parameters: ReplayParameters) -> Record:
+    """Read the record.
+
+    Raises:
+        SatvibError: no such file, column or strut; numbers that are none.
+    """
+    p = parameters
+    path = Path(p.file)
+    if path.suffix.lower() in {'.csv', '.txt', '.tsv'}:
+        voltage, upper = read_columns(path, [p.input, p.output])
+        plan = PhasePlan((Phase[p.phase],), (0,), len(upper))
+        return Record(upper, np.full(len(upper), np.nan), voltage, 1.0 / p.sample_rate, plan)
+    return _from_bag(path, p.strut)
+
+
+def _from_bag(path: Path, strut: str) -> Record:
+    from satvib_experiment.recording.bag_reader import read_recording
+
+    recording = read_recording(path)
+    if strut not in recording.struts:
+        raise SatvibError(f'{path}: no {strut} in it; there are {", ".join(recording.struts)}')
+    i = recording.struts.index(strut)
+
+    def column(group: str, name: str) -> NDArray[np.float64]:
+        return np.asarray(recording.get(group, name)[:, i], dtype=float)
+
+    return Record(
+        column('acceleration', 'upper'),
+        column('acceleration', 'lower'),
+        column('voltage', 'voltage'),
+        recording.sample_period,
+        recording.plan,
+    )

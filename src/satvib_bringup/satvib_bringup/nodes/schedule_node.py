@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node `schedule`: publishes the schedule of a scenario.
+
+It sets a graph going that was started by hand or by the launch file; `satvib run` does that itself. In lockstep nothing
+is lost when a node comes late, and it publishes at once; with `realtime` it waits until all have found one another.
+"""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from diagnostic_msgs.msg import DiagnosticArray
+from satvib_common.ros.main import run_node
+from satvib_common.ros.node import SatvibNode
+from satvib_common.ros.qos import offered
+from satvib_common.schema import Schema, param
+from satvib_experiment.scenario.scenario import load_scenario
+
+from satvib_bringup.live.discovery import SAID, Company
+from satvib_bringup.live.graph import graph_of
+from satvib_bringup.live.schedule_message import schedule_message
+from satvib_msgs.msg import Schedule as ScheduleMessage
+
+_PATIENCE = 60.0  # s
+_LOOK = 0.05  # s
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScheduleParameters(Schema):
+    """Which scenario."""
+
+    scenario: str = param('paper_3dof', 'name of a scenario, or path of its file', read_only=True)
+    overrides: tuple[str, ...] = param((), "changes, each 'key=value'", read_only=True)
+    realtime: bool = param(
+        False, 'wait until the nodes of the scenario have found one another', read_only=True
+    )
+    recorded: bool = param(False, 'with realtime: a recorder is one of them', read_only=True)
+
+
+class ScheduleNode(SatvibNode[ScheduleParameters]):
+    """Publishes once and stays, for whoever comes later."""
+
+    def __init__(self) -> None:
+        super().__init__('schedule', ScheduleParameters)
+
+    def make(self) -> None:
+        """Load the scenario."""
+        p = self.parameters
+        bag = Path('bag') if p.recorded else None
+        self.graph = graph_of(load_scenario(p.scenario, p.overrides), p.realtime, bag)
+        self.publisher = self.publish_on(ScheduleMessage, 'schedule', offered(1))
+        self.company = Company(self.graph, self, self.publisher)
+        self.waits = False
+
+    def begin(self) -> None:
+        """Publish, or listen who is there."""
+        self.waits = self.parameters.realtime
+        self.deadline = time.monotonic() + _PATIENCE
+        if self.waits:
+            self.listen_to(DiagnosticArray, '/diagnostics', self.company.hear, SAID)
+        else:
+            self._publish()
+
+    def tick(self) -> float:
+        """Publish as soon as nobody lacks anybody."""
+        if not self.waits:
+            return super().tick()
+        missing = self.company.missing()
+        if missing and time.monotonic() < self.deadline:
+            return _LOOK
+        if missing:
+            self.get_logger().warning(
+                f'begins although the graph is not complete after {_PATIENCE:g} s: {missing[0]}'
+            )
+        self.waits = False
+        self._publish()
+        return super().tick()
+
+    def diagnose(self) -> tuple[str, dict[str, object]]:
+        """Say whom it waits for."""
+        missing = self.company.missing() if self.waits else []
+        return f'waiting for {missing[0]}' if missing else '', {}
+
+    def _publish(self) -> None:
+        now = self.get_clock().now().to_msg()
+        self.publisher.publish(schedule_message(self.graph, now))
+
+
+def main() -> None:
+    """Run the node."""
+    run_node(ScheduleNode)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The description of the live graph."""
+
+from pathlib import Path
+
+import pytest
+from satvib_bringup.live.graph import Stage, graph_of
+from satvib_common.schema import parse_yaml
+from satvib_control.parameters import ControllerParameters
+from satvib_experiment.scenario.scenario import load_scenario
+from satvib_ident.parameters import IdentifierParameters
+from satvib_plant_sim.nodes.parameters import PlantParameters
+
+SCHEMAS = {
+    'plant_sim': PlantParameters,
+    'strut_controller': ControllerParameters,
+    'strut_identifier': IdentifierParameters,
+}
+
+
+@pytest.fixture(scope='module')
+def graph():
+    return graph_of(load_scenario('quick_3dof', ['rig.payload.mass=9.5']), bag=Path('/x/bag'))
+
+
+def test_one_process_per_part(graph):
+    """Truth: docs/architecture.md: one plant, per strut a controller and an identifier, a recorder."""
+    struts = ('strut_1', 'strut_2', 'strut_3')
+    expected = {'plant_sim', 'recorder'}
+    expected |= {f'{s}/{n}' for s in struts for n in ('strut_controller', 'strut_identifier')}
+    assert {p.full_name for p in graph.processes} == expected
+    assert graph.struts == struts
+    assert graph.processes[-1].stage == Stage.SOURCE
+
+
+def test_parameter_files_give_back_the_parameters(graph):
+    """Truth: the schemas; what the file says is what the node will hold."""
+    for process in graph.processes:
+        values = parse_yaml(process.parameter_file(), 'x')['/**']['ros__parameters']
+        assert values == dict(process.parameters)
+        if process.executable in SCHEMAS:
+            schema = SCHEMAS[process.executable]
+            assert schema.from_mapping(values).to_mapping() == values
+
+
+def test_the_struts_differ_in_nothing_but_their_index(graph):
+    """Truth: decentralized control: the same parameters, another strut."""
+    controllers = [p.parameters for p in graph.processes if p.executable == 'strut_controller']
+    assert [p['strut'] for p in controllers] == [0, 1, 2]
+    assert len({tuple(str(p | {'strut': 0})) for p in controllers}) == 1
+
+
+def test_the_plant_gets_the_rig_of_the_scenario(graph):
+    """Truth: the scenario's own rig."""
+    values = next(p.parameters for p in graph.processes if p.executable == 'plant_sim')
+    plant = PlantParameters.from_mapping(dict(values))
+    assert plant.load_rig() == load_scenario('quick_3dof', ['rig.payload.mass=9.5']).load_rig()
+
+
+def test_who_reads_what(graph):
+    """Truth: the table of topics in the design, and the recorder, which reads all."""
+    readers = graph.readers()
+    assert readers['/schedule'] == 8
+    assert readers['/strut_2/acceleration'] == 3
+    assert readers['/strut_2/voltage'] == 3
+    assert readers['/strut_2/identified_model'] == 2
+    assert readers['/strut_2/truth'] == 1
+    unrecorded = graph_of(load_scenario('quick_3dof')).readers()
+    assert unrecorded['/strut_2/truth'] == 0

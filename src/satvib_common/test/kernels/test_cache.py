@@ -1,0 +1,93 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Compiled kernels on disk: never mixed, never stale. Truth: the arithmetic of the small kernels made here."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+HELPER = """
+from numba import njit
+
+@njit
+def scaled(x):
+    return {factor} * x
+"""
+KERNEL = """
+from helper_of_kernel import scaled
+from satvib_common.kernels.compile import kernel
+
+OFFSET = {offset}
+
+@kernel('void(f8[:], f8[:])', '(n)->(n)')
+def affine(x, y):
+    for i in range(x.shape[0]):
+        y[i] = scaled(x[i]) + OFFSET
+"""
+CALL = 'import numpy as np; import some_kernel; print(some_kernel.affine(np.ones(2)).tolist())'
+
+
+@pytest.fixture
+def folder(tmp_path):
+    write(tmp_path)
+    return tmp_path
+
+
+def write(folder, factor=2.0, offset=1.0):
+    (folder / 'helper_of_kernel.py').write_text(HELPER.format(factor=factor))
+    (folder / 'some_kernel.py').write_text(KERNEL.format(offset=offset))
+
+
+def start(folder):
+    path = os.pathsep.join([str(folder), *sys.path])
+    env = {k: v for k, v in os.environ.items() if k != 'NUMBA_CACHE_DIR'} | {'PYTHONPATH': path}
+    return subprocess.Popen(
+        [sys.executable, '-c', CALL],
+        env=env,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def result(process):
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 0, err
+    return out.strip()
+
+
+def kept(folder):
+    return sorted(
+        p for p in (folder / '__pycache__').glob('kernel-some_kernel-affine-*') if p.is_dir()
+    )
+
+
+def test_processes_that_start_together_on_a_cold_cache_all_compute(folder):
+    together = [start(folder) for _ in range(4)]
+    assert [result(p) for p in together] == ['[3.0, 3.0]'] * 4
+    assert result(start(folder)) == '[3.0, 3.0]'
+    assert len(kept(folder)) == 1
+
+
+@pytest.mark.parametrize(('change', 'expected'), [({'factor': 5.0}, 6.0), ({'offset': 7.0}, 9.0)])
+def test_a_changed_helper_or_constant_compiles_anew(folder, change, expected):
+    assert result(start(folder)) == '[3.0, 3.0]'
+    before = kept(folder)
+    write(folder, **change)
+    assert result(start(folder)) == f'[{expected}, {expected}]'
+    after = kept(folder)
+    assert len(after) == 1
+    assert after != before
+
+
+def test_what_a_killed_process_left_is_not_used(folder):
+    """A folder without its mark is incomplete; what is in it may not fit together."""
+    assert result(start(folder)) == '[3.0, 3.0]'
+    (only,) = kept(folder)
+    (only / 'complete').unlink()
+    for file in only.rglob('*.nbc'):
+        file.write_bytes(b'half a file')
+    assert result(start(folder)) == '[3.0, 3.0]'
+    assert (only / 'complete').exists()

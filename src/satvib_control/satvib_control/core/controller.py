@@ -1,0 +1,272 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The controller of a strut: phases, calibration, excitation, law and guard around one sample.
+
+| phase | voltage | what is learnt |
+|---|---|---|
+| STANDBY | 0 V | the law keeps its filters warm |
+| CALIBRATE | 0 V | bias of both sensors |
+| IDENTIFY | excitation | nothing here; the identifier watches |
+| ADAPT | the law against its reference model | gains |
+| CONTROL | the law, faded in | what the law wants |
+
+Every voltage leaves through the guard. A missing upper sample gives 0 V for that sample; `loss_limit` of them in a
+row latch a fault. A gap in the sequence is counted and the states stay; a sequence that goes back starts all anew.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from satvib_common.guard import Guarded, VoltageGuard
+from satvib_common.phases import Phase, PhasePlan
+from satvib_common.sequence import Arrival, SequenceTracker
+from satvib_common.signals.calibration import BiasCalibration
+from satvib_common.signals.statistics import MovingRms
+from satvib_ident.models.iir_model import IirModel
+
+from satvib_control.core.divergence_watch import DivergenceWatch
+from satvib_control.core.output import ControllerOutput
+from satvib_control.laws.base import Array, LawInput, Mask, make_law
+from satvib_control.laws.reasons import reason, reasons
+from satvib_control.laws.strut_excitation import StrutSignals
+from satvib_control.model_analysis.transfer import broadcast_model, model_polynomials, stable
+from satvib_control.parameters import ControllerParameters
+
+NOT_FINITE = reason('fault: the law asked for a voltage that is not finite')
+LOST = reason('0 V: the upper acceleration is missing')
+LOST_LONG = reason('fault: the upper acceleration was missing for too long')
+RESTLESS = reason('fault: the upper sensor was not at rest in CALIBRATE')
+DIVERGED = reason('fault: the law made the vibration grow, three times in a row')
+LISTENING = reason('0 V: the vibration grew, listening whether the law is the cause')
+REDUCED = reason('the law had made the vibration grow and goes on with less voltage')
+STOPPED = reason('fault: stopped from outside')
+UNSTABLE = reason('the identified model is not stable: not taken')
+UNCAUSAL = reason('the identified model has no delay, so no law can use it: not taken')
+
+
+__all__ = ['ControllerCore', 'ControllerOutput']
+
+
+class ControllerCore:
+    """Decentralized controller of one strut, or of a batch of them.
+
+    Args:
+        parameters: see `ControllerParameters`.
+        shape: leading axes; the last one, when there is one, counts struts from `parameters.strut`.
+    """
+
+    def __init__(self, parameters: ControllerParameters, shape: tuple[int, ...] = ()) -> None:
+        p = parameters
+        self.parameters, self.shape, self.dt = p, shape, 1.0 / p.sample_rate
+        self._signals = StrutSignals(
+            p.excitation, p.excitation_amplitude, p.excitation_frequencies, p, shape
+        )
+        self._begin()
+
+    def _begin(self) -> None:
+        p, shape = self.parameters, self.shape
+        self.law = make_law(p.law, p, self.dt, shape)
+        self.guard = VoltageGuard(p.voltage_limit, p.slew_limit or np.inf, self.dt, shape)
+        self.calibration_upper = BiasCalibration(shape)
+        self.calibration_lower = BiasCalibration(shape)
+        self.watch = DivergenceWatch(p, self.dt, shape)
+        self._rms = MovingRms(max(round(p.rms_window * p.sample_rate), 1), shape)
+        self._tracker = SequenceTracker()
+        self._zero = np.zeros(shape)
+        self._nobody = np.zeros(shape, dtype=bool)
+        self._no_reason = np.zeros(shape, dtype=np.int64)
+        self._alarmed = False  # something is lost, stopped or at fault somewhere
+        self._lost = np.zeros(shape, dtype=np.int64)
+        self._saturated = np.zeros(shape, dtype=bool)
+        self._fade = np.ones(shape)
+        self._fault_reason = np.zeros(shape, dtype=np.int64)
+        self._model_reason = np.zeros(shape, dtype=np.int64)
+        self._waiting: tuple[IirModel, Mask, Array | None] | None = None
+        self._taken: IirModel | None = None
+        self._has_taken = np.zeros(shape, dtype=bool)
+        self._stop = np.zeros(shape, dtype=bool)
+        self._checked_rest = False
+        self._last: ControllerOutput | None = None
+
+    def set_model(
+        self,
+        model: IirModel,
+        trusted: ArrayLike = True,
+        why: Any = '',
+        covariance: Array | None = None,
+    ) -> None:
+        """Take the identified model; only at hand-over samples, before `step`.
+
+        Args:
+            model: shape, or one for all.
+            trusted: shape, bool; where it is false the law keeps what it had.
+            why: text, or texts (shape), why not.
+            covariance: (*shape, n + m, n + m) of (a1..an, b1..bm).
+        """
+        model = broadcast_model(model, self.shape)
+        b, a = model_polynomials(model)
+        with np.errstate(all='ignore'):
+            sound = (stable(a) > 0.0) & np.all(np.isfinite(b), axis=-1)
+        trusted = np.broadcast_to(np.asarray(trusted, dtype=bool), self.shape)
+        told = reasons(why, self.shape)
+        code = np.where(trusted, np.where(sound, 0, UNSTABLE), told)
+        if model.delay < 1:
+            sound, code = np.zeros(self.shape, dtype=bool), np.where(trusted, UNCAUSAL, told)
+        self._model_reason = np.broadcast_to(code, self.shape)
+        if covariance is not None:
+            covariance = np.broadcast_to(covariance, (*self.shape, *covariance.shape[-2:]))
+        fresh = np.ones(self.shape, dtype=bool)
+        if self._taken is not None and self._alike(model):
+            same = np.all(self._taken.a == model.a, axis=-1)
+            same = same & np.all(self._taken.b == model.b, axis=-1)
+            fresh = ~(same & self._has_taken)
+        use = np.asarray(trusted & sound & fresh)
+        # a design costs, and most hand-overs after IDENTIFY bring nothing new
+        self._waiting = (model, use, covariance) if use.any() else None
+
+    def _alike(self, model: IirModel) -> bool:
+        """Whether a model has the orders and the delay of those that the law has."""
+        taken = self._taken
+        return (
+            taken is not None
+            and taken.theta.shape == model.theta.shape
+            and taken.a.shape == model.a.shape
+            and taken.delay == model.delay
+        )
+
+    def _keep(self, model: IirModel, use: Mask) -> None:
+        """Remember which models the law has."""
+        if self._taken is None or not self._alike(model):
+            self._taken, self._has_taken = model, use
+            return
+        pick = use[..., None]
+        a, b = np.where(pick, model.a, self._taken.a), np.where(pick, model.b, self._taken.b)
+        self._taken, self._has_taken = IirModel(a, b, model.delay, model.dt), self._has_taken | use
+
+    def apply(self, parameters: ControllerParameters) -> None:
+        """Take new values of the parameters that are not read-only."""
+        self.parameters = parameters
+        self.guard.limit = parameters.voltage_limit
+        self.law.apply(parameters)
+
+    def stop(self) -> None:
+        """Latch 0 V from the next sample on, until `reset`."""
+        self._stop = np.ones(self.shape, dtype=bool)
+        self._alarmed = True
+
+    def reset(self) -> None:
+        """Release latched faults; the law begins at rest. Biases and the identified model stay."""
+        self.guard.reset()
+        self.law.reset()
+        self.watch.reset()
+        self._stop = np.zeros(self.shape, dtype=bool)
+        self._lost = np.zeros(self.shape, dtype=np.int64)
+        self._fault_reason = np.zeros(self.shape, dtype=np.int64)
+
+    def step(self, k: int, plan: PhasePlan, upper: ArrayLike, lower: ArrayLike) -> ControllerOutput:
+        """Take sample k of both sensors (shape, m/s^2, as measured) and give the voltage.
+
+        A repeated sample gives the answer that it got before.
+        """
+        arrival = self._tracker.see(k)
+        if arrival is Arrival.REPEAT and self._last is not None:
+            return self._last
+        if arrival is Arrival.RESTART:
+            self._begin()
+            self._tracker.see(k)
+        p, phase = self.parameters, plan.at(k)
+        upper, lower = np.asarray(upper, dtype=float), np.asarray(lower, dtype=float)
+        valid = np.isfinite(upper)
+        whole = bool(valid.all())  # the ordinary sample takes the short ways
+        if phase == Phase.CALIBRATE:
+            self.calibration_upper.add(upper)
+            self.calibration_lower.add(lower)
+        elif not self._checked_rest:
+            self._check_rest()
+        clean = upper - self.calibration_upper.mean
+        if not whole:
+            clean = np.where(valid, clean, 0.0)
+        lower_clean = lower - self.calibration_lower.mean
+        if not np.isfinite(lower_clean).all():
+            lower_clean = np.where(np.isfinite(lower_clean), lower_clean, np.nan)
+        if phase not in {Phase.CALIBRATE, Phase.IDENTIFY} and self._waiting is not None:
+            model, use, covariance = self._waiting
+            self.law.set_model(model, use, covariance)
+            self.watch.set_model(model, use)
+            self._keep(model, use)
+            self._waiting = None
+        acting = phase in {Phase.ADAPT, Phase.CONTROL}
+        # in ADAPT the law shakes the strut on purpose
+        scale, verdict = self.watch.step(
+            clean, self.guard.voltage, self._saturated, phase == Phase.CONTROL
+        )
+        judged = bool(verdict.any())
+        if judged:
+            self.law.reset(verdict > 0.0)
+        # a law that is not let through must not learn from what it asks for
+        frozen = self._saturated
+        if self.watch.busy:
+            frozen = frozen | self.watch.listening()
+        x = LawInput(k, clean, lower_clean, self.guard.voltage, frozen, valid, self._fade)
+        demand = self.law.step(x, phase)
+        state = self.law.state
+        reference, adapting, why = state.reference, state.adapting, state.reason
+        self._fade = self._zero
+        if acting:
+            self._fade = scale * self._fade_in(k, plan, phase)
+            demand = demand * self._fade
+            if self.law.needs_model:
+                why = np.where(self._model_reason != 0, self._model_reason, why)
+            if self.watch.busy:
+                why = np.where(self.watch.reduced(), REDUCED, why)
+                why = np.where(self.watch.listening(), LISTENING, why)
+        else:
+            adapting, why = self._nobody, self._no_reason
+            reference = demand = self._zero
+            if phase == Phase.IDENTIFY:
+                reference = demand = self._signals.at(k - plan.start_of(k))
+        alarmed = self._alarmed or judged or not whole
+        stop = self._causes(valid, verdict) if alarmed else None
+        guarded = self.guard.apply(
+            demand if whole else np.where(valid, demand, 0.0), False if stop is None else stop != 0
+        )
+        self._saturated = guarded.saturated
+        if alarmed or guarded.fault.any():
+            why = self._explain(guarded, valid, why, stop)
+        self._last = ControllerOutput(
+            k, phase, p.law, guarded.voltage, demand, guarded.saturated, guarded.fault,
+            state.copy(), reference, self._rms.add(clean), self.calibration_upper.mean,
+            self.calibration_lower.mean, adapting, why, self._tracker.lost,
+        )  # fmt: skip
+        return self._last
+
+    def _fade_in(self, k: int, plan: PhasePlan, phase: Phase) -> float:
+        """Share of the law's voltage while CONTROL begins."""
+        p = self.parameters
+        if phase != Phase.CONTROL:
+            return 1.0
+        return min((k - plan.start_of(k) + 1) / max(p.switch_on_time * p.sample_rate, 1.0), 1.0)
+
+    def _causes(self, valid: Mask, verdict: Array) -> Any:
+        """What stops the voltage for good, as codes (shape); 0 for nothing."""
+        self._lost = np.where(valid, 0, self._lost + 1)
+        cause = np.where(self._lost >= self.parameters.loss_limit, LOST_LONG, 0)
+        cause = np.where(verdict == 2.0, DIVERGED, cause)
+        cause = np.where(self._stop, STOPPED, cause)
+        return np.where(self._fault_reason != 0, self._fault_reason, cause)
+
+    def _explain(self, guarded: Guarded, valid: Mask, why: Any, stop: Any) -> Any:
+        """Remember the cause of a new fault, and give the reasons (shape)."""
+        cause = NOT_FINITE if stop is None else np.where(stop != 0, stop, NOT_FINITE)
+        known = self._fault_reason
+        self._fault_reason = np.where(guarded.fault & (known == 0), cause, known)
+        self._alarmed = bool((self._stop | guarded.fault | (self._lost > 0)).any())
+        return np.where(guarded.fault, self._fault_reason, np.where(valid, why, LOST))
+
+    def _check_rest(self) -> None:
+        """Once after CALIBRATE: a sensor that was not at rest has no bias to learn."""
+        self._checked_rest = True
+        restless = self.calibration_upper.standard_deviation > self.parameters.calibration_limit
+        self._fault_reason = np.where(restless, RESTLESS, self._fault_reason)
+        self._alarmed = self._alarmed or bool(restless.any())

@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a control law is, and how to get one by name.
+
+A law turns the samples of one strut into a wanted voltage. It has no clock, no ROS and no limits: `ControllerCore`
+removes the bias, the voltage guard limits, and the law is told what was really applied.
+
+A law of your own is a class with this constructor and `step`, chosen by `law: my_package.my_module:MyLaw`:
+
+    class Proportional(BasicLaw):
+        def step(self, x: LawInput, phase: Phase) -> Array:
+            return np.where(x.valid, -2.0 * x.upper, 0.0)
+
+Everything has the leading axes `shape`. Per-sample arithmetic is elementwise or a `satvib_common.kernels.compile`.
+"""
+
+import importlib
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+from satvib_common.errors import SatvibError
+from satvib_common.phases import Phase
+
+if TYPE_CHECKING:
+    from satvib_ident.models.iir_model import IirModel
+
+    from satvib_control.parameters import ControllerParameters
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+LAWS = {
+    'off': 'satvib_control.laws.off:Off',
+    'velocity_feedback': 'satvib_control.laws.velocity_feedback:VelocityFeedback',
+    'model_reference': 'satvib_control.laws.model_reference.law:ModelReference',
+    'narrowband': 'satvib_control.laws.narrowband.law:Narrowband',
+    'feedforward': 'satvib_control.laws.feedforward.law:Feedforward',
+    'centralized': 'satvib_control.laws.centralized.law:Centralized',
+}
+
+
+@dataclass(frozen=True)
+class LawInput:
+    """One sample of a strut.
+
+    Attributes:
+        sequence: index of the sample.
+        upper: shape, m/s^2; upper acceleration without its bias, 0 where it was not measured.
+        lower: shape, m/s^2; lower acceleration without its bias, NaN where it was not measured.
+        applied: shape, V; the voltage computed from the sample before, as the guard let it through.
+        saturated: shape, bool; the guard changed that voltage, or the law is taken off. Nothing is learnt there.
+        valid: shape, bool; the upper acceleration was measured. Nothing is learnt where it was not.
+        fade: shape; share of the demand of the sample before that went to the guard: less than 1 while CONTROL fades in
+            and where the law is taken off, 0 in the phases without a law.
+    """
+
+    sequence: int
+    upper: Array
+    lower: Array
+    applied: Array
+    saturated: Mask
+    valid: Mask
+    fade: Array | float = 1.0
+
+
+@dataclass
+class LawState:
+    """What a person tuning the law wants to see; fields as in satvib_msgs/ControllerState, each (shape).
+
+    NaN means that the law has no such thing. `reason` holds codes of `satvib_control.laws.reasons`.
+    """
+
+    shape: tuple[int, ...] = ()
+    reference: Array = field(init=False)
+    model_output: Array = field(init=False)
+    error: Array = field(init=False)
+    kp: Array = field(init=False)
+    ki: Array = field(init=False)
+    kd: Array = field(init=False)
+    ki_min: Array = field(init=False)
+    ki_max: Array = field(init=False)
+    sensitivity: Array = field(init=False)
+    weight_norm: Array = field(init=False)
+    frequency: Array = field(init=False)
+    adapting: Mask = field(init=False)
+    reason: NDArray[np.int64] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Begin with nothing known."""
+        for name in STATE_FIELDS:
+            setattr(self, name, np.full(self.shape, np.nan))
+        self.reference = np.zeros(self.shape)
+        self.adapting = np.zeros(self.shape, dtype=bool)
+        self.reason = np.zeros(self.shape, dtype=np.int64)
+
+    def copy(self) -> 'LawState':
+        """Give a state that keeps what this one shows now; laws renew their arrays, they do not write into them."""
+        other = object.__new__(LawState)
+        other.__dict__.update(self.__dict__)
+        return other
+
+
+STATE_FIELDS = (
+    'reference', 'model_output', 'error', 'kp', 'ki', 'kd', 'ki_min', 'ki_max', 'sensitivity',
+    'weight_norm', 'frequency',
+)  # fmt: skip
+
+
+@runtime_checkable
+class Law(Protocol):
+    """The interface of every law.
+
+    Attributes:
+        needs_model: the law gives 0 V until it has an identified model.
+        cancels: in a sum, look at the plant without the feedback of the other parts (see `law_sum`).
+        state: what the law shows; renewed by every `step`.
+    """
+
+    needs_model: bool
+    cancels: bool
+    state: LawState
+
+    def step(self, x: LawInput, phase: Phase) -> Array:
+        """Take a sample, of any phase, and give the wanted voltage (shape, V).
+
+        The voltage is used in ADAPT and CONTROL only; in the other phases a law keeps its filters warm. A demand
+        that is not finite latches a fault.
+        """
+
+    def set_model(self, model: 'IirModel', trusted: Mask, covariance: Array | None = None) -> None:
+        """Take the identified model where `trusted` (shape) holds, and keep what was there elsewhere.
+
+        `covariance` (*shape, n + m, n + m) is that of (a1..an, b1..bm).
+        """
+
+    def apply(self, parameters: 'ControllerParameters') -> None:
+        """Take new values of the parameters that are not read-only."""
+
+    def reset(self, mask: Mask | bool = True) -> None:
+        """Forget the past where `mask` (shape) holds: filters at rest, gains at their start."""
+
+
+class BasicLaw:
+    """A law that needs no model and has no memory; a base that saves lines.
+
+    Args:
+        parameters: the controller's parameters.
+        dt: s, sample period.
+        shape: leading axes.
+    """
+
+    needs_model = False
+    cancels = False
+
+    def __init__(
+        self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
+    ) -> None:
+        self.parameters, self.dt, self.shape = parameters, dt, shape
+        self.state = LawState(shape)
+
+    def set_model(self, model: 'IirModel', trusted: Mask, covariance: Array | None = None) -> None:
+        """Nothing to do without a model."""
+
+    def apply(self, parameters: 'ControllerParameters') -> None:
+        """Keep the parameters; a law reads what may change on each sample."""
+        self.parameters = parameters
+
+    def reset(self, mask: Mask | bool = True) -> None:
+        """Nothing to forget."""
+
+
+def law_class(name: str) -> type[Law]:
+    """Find the class of a law by its name or by module:Class.
+
+    Raises:
+        SatvibError: no such law.
+    """
+    path = LAWS.get(name, name)
+    module, colon, cls = path.partition(':')
+    if not colon:
+        raise SatvibError(
+            f'law: {name!r} is not one of {", ".join(LAWS)}; a law of your own is module:Class'
+        )
+    try:
+        found = getattr(importlib.import_module(module), cls)
+    except (ImportError, AttributeError) as error:
+        raise SatvibError(f'law: {name!r} cannot be loaded: {error}') from None
+    if not callable(getattr(found, 'step', None)):
+        raise SatvibError(f'law: {name!r} has no method step, see satvib_control.laws.base')
+    return found
+
+
+def make_law(
+    name: str, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
+) -> Law:
+    """Make a law, or a sum of them, by name; `dt` in s.
+
+    Raises:
+        SatvibError: no such law.
+    """
+    names = [part.strip() for part in name.split('+')]
+    if len(names) > 1:
+        from satvib_control.laws.sum import LawSum
+
+        return LawSum(names, parameters, dt, shape)
+    cls = law_class(name)
+    return cls(parameters, dt, shape)  # type: ignore[call-arg]

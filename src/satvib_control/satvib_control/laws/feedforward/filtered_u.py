@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Filtered-u: a feedforward filter with poles of its own.
+
+    u(k) = sum_i w_i phi_i(k) + sum_i c_i u(k-i),    i = 1 .. P
+
+The reference may hold the strut's own reaction, x = x_0 + F u, and the best filter for it is W / (1 + W F): recursive,
+even where W is not. Filtered-u finds it (Eriksson 1991, J. Acoust. Soc. Am. 89, 257): the past voltages are part of the
+regressor, and their filtered twins G_hat u part of phi_f. Eriksson moves the weights along phi_f, which is the gradient
+only if C = sum c_i z^-i is small. Here it is the exact one for slow changes,
+
+    dy / dw_i = G phi_i / (1 - C):    phi_g = phi_f / (1 - C),
+
+with the least squares of `fxrls`: the recursive prediction error method (Ljung 1999, section 11.5) instead of
+pseudo-linear regression. Measured on the stiff rig with random vibration the latter rang and had to be backed off.
+
+Nothing in that keeps 1 - C stable, and the error has more than one minimum. So after each step the poles are drawn
+inside the circle of radius r: c_i <- g^i c_i with the largest g of 0.99^n that does it, which scales every pole by g.
+"""
+
+import numpy as np
+from numba import njit
+from satvib_common.kernels.compile import kernel
+
+
+@njit
+def _inside(c, scale, work, other):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Whether all roots of 1 - sum c_i scale^i z^-i lie inside the unit circle (Schur-Cohn, step-down)."""
+    order = c.shape[0]
+    factor = 1.0
+    for i in range(order):
+        factor *= scale
+        work[i] = -c[i] * factor
+    for length in range(order, 0, -1):
+        k = work[length - 1]
+        if not abs(k) < 1.0:
+            return False
+        for i in range(length - 1):
+            other[i] = (work[i] - k * work[length - 2 - i]) / (1.0 - k * k)
+        for i in range(length - 1):
+            work[i] = other[i]
+    return True
+
+
+@kernel('void(f8[:], i8, f8, f8[:])', '(p),(),()->()', writable=('weights',))
+def stabilize(weights, poles, radius, scale):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Draw the poles of the last `poles` weights inside the circle of `radius`, in place.
+
+    Args:
+        weights: (p), changed.
+        poles: () how many of the last weights act on past voltages.
+        radius: () below 1.
+        scale: () out, the factor g of the poles; 1 where nothing was done.
+    """
+    scale[0] = 1.0
+    if poles < 1:
+        return
+    c = weights[weights.shape[0] - poles :]
+    work = np.empty(poles)
+    other = np.empty(poles)
+    for i in range(poles):
+        if not np.isfinite(c[i]):
+            c[:] = 0.0
+            scale[0] = 0.0
+            return
+    while not _inside(c, scale[0] / radius, work, other):
+        scale[0] *= 0.99
+        if scale[0] < 1e-3:
+            scale[0] = 0.0
+            break
+    factor = 1.0
+    for i in range(poles):
+        factor *= scale[0]
+        c[i] *= factor

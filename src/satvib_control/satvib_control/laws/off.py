@@ -1,0 +1,16 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""No control: 0 V, the open loop that every attenuation is measured against."""
+
+import numpy as np
+from satvib_common.phases import Phase
+
+from satvib_control.laws.base import Array, BasicLaw, LawInput
+
+
+class Off(BasicLaw):
+    """u = 0."""
+
+    def step(self, x: LawInput, phase: Phase) -> Array:  # noqa: ARG002 - the interface
+        """Give 0 V (shape)."""
+        return np.zeros(self.shape)

@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The sum of laws, as in velocity_feedback+feedforward: one anti-windup and one gain budget.
+
+    u = u_f + u_c,    u_f of the feedback laws, u_c of the laws that cancel (`cancels`: feedforward, narrowband).
+
+With y = G u + d and u_f = -C y the feedback makes y = S (G u_c + d). A canceller that looked at y would have to adapt
+through S G, a path that moves when the gain of the feedback does. So the feedback laws look at y itself, and the
+cancellers at
+
+    y_c = y - G_hat u_f = G u_c + d    (G_hat = G),
+
+what there would be without the feedback: their path is G whatever the feedback does, and when they bring y_c to 0 then
+y = S y_c is 0 too. So the adaptation of one does not move the plant of the other.
+
+Anti-windup. When the guard takes something away it is taken from the cancellers, so the damping of the feedback stays;
+every part is told its own share and that the voltage was saturated.
+
+Gain budget. |S| of both together must stay below 1 / modulus_margin. Feedback and tone-cancelling feedback multiply, so
+each gets the square root of it; feedforward closes no loop and costs nothing.
+"""
+
+import numpy as np
+from satvib_common.phases import Phase
+from satvib_common.signals.iir_filter import IirFilter
+from satvib_ident.models.iir_model import IirModel
+
+from satvib_control.laws.base import STATE_FIELDS, Array, BasicLaw, Law, LawInput, Mask, make_law
+from satvib_control.model_analysis.transfer import model_polynomials
+from satvib_control.parameters import ControllerParameters
+
+
+class LawSum(BasicLaw):
+    """Several laws on one coil; see the module's page.
+
+    Args:
+        names: names of the laws.
+        parameters: of the controller.
+        dt: s.
+        shape: leading axes.
+    """
+
+    def __init__(
+        self,
+        names: list[str],
+        parameters: ControllerParameters,
+        dt: float,
+        shape: tuple[int, ...] = (),
+    ) -> None:
+        super().__init__(parameters, dt, shape)
+        loops = sum(1 for name in names if name != 'feedforward')
+        self._budget = parameters.modulus_margin ** (1.0 / max(loops, 1))
+        self.parts: list[Law] = [make_law(n, self._shared(parameters), dt, shape) for n in names]
+        self.needs_model = any(law.needs_model for law in self.parts)
+        self.cancels = all(law.cancels for law in self.parts)
+        self._demands = [np.zeros(shape) for _ in self.parts]
+        self._model = IirFilter([0.0, 0.0], [1.0, 0.0], shape)
+        self._known = np.zeros(shape, dtype=bool)
+
+    def _shared(self, parameters: ControllerParameters) -> ControllerParameters:
+        return parameters.replace(modulus_margin=self._budget)
+
+    def set_model(self, model: IirModel, trusted: Mask, covariance: Array | None = None) -> None:
+        """Hand the model to every part, and take it to tell the parts' effects apart."""
+        b, a = model_polynomials(model)
+        if b.shape[-1] != self._model.b.shape[-1]:
+            self._model = IirFilter(
+                np.zeros_like(b), np.broadcast_to(np.eye(b.shape[-1])[0], b.shape), self.shape
+            )
+        pick = trusted[..., None]
+        self._model.set_coefficients(
+            np.where(pick, b, self._model.b), np.where(pick, a, self._model.a)
+        )
+        self._known = self._known | trusted
+        for law in self.parts:
+            law.set_model(model, trusted, covariance)
+
+    def _shares(self, x: LawInput) -> list[Array]:
+        """What each part had of the voltage before: its demand, faded as all, the cut taken from the cancellers."""
+        shares = [demand * x.fade for demand in self._demands]
+        total = np.zeros(self.shape)
+        for share in shares:
+            total = total + share
+        order = [i for i, law in enumerate(self.parts) if law.cancels] or list(range(len(shares)))
+        cut = (x.applied - total) / len(order)
+        for i in order:
+            shares[i] = shares[i] + cut
+        return shares
+
+    def step(self, x: LawInput, phase: Phase) -> Array:
+        """Give the voltage (shape, V) of all parts together."""
+        shares = self._shares(x)
+        feedback = np.zeros(self.shape)
+        for law, share in zip(self.parts, shares, strict=True):
+            if not law.cancels:
+                feedback = feedback + share
+        self._model.step(feedback)
+        # the model's delay is at least 1, so its state already holds what the next sample sees
+        without = np.where(x.valid, x.upper - self._model.state[..., 0], 0.0)
+        total = np.zeros(self.shape)
+        for i, law in enumerate(self.parts):
+            upper = without if law.cancels else x.upper
+            part = LawInput(x.sequence, upper, x.lower, shares[i], x.saturated, x.valid, x.fade)
+            self._demands[i] = law.step(part, phase)
+            total = total + self._demands[i]
+        self._show()
+        return total
+
+    def _show(self) -> None:
+        """Merge the parts' states: of each figure the first that is known, of the reasons the first there is."""
+        state = self.state
+        for name in STATE_FIELDS:
+            merged = getattr(self.parts[-1].state, name)
+            for law in reversed(self.parts[:-1]):
+                own = getattr(law.state, name)
+                merged = np.where(np.isnan(own), merged, own)
+            setattr(state, name, merged)
+        state.adapting = np.zeros(self.shape, dtype=bool)
+        state.reason = np.zeros(self.shape, dtype=np.int64)
+        for law in self.parts:
+            state.adapting = state.adapting | law.state.adapting
+            state.reason = np.where(state.reason == 0, law.state.reason, state.reason)
+
+    def apply(self, parameters: ControllerParameters) -> None:
+        """Hand new settings to every part."""
+        super().apply(parameters)
+        for law in self.parts:
+            law.apply(self._shared(parameters))
+
+    def reset(self, mask: Mask | bool = True) -> None:
+        """Reset every part."""
+        self._model.reset(mask)
+        for i, law in enumerate(self.parts):
+            law.reset(mask)
+            self._demands[i] = np.where(mask, 0.0, self._demands[i])

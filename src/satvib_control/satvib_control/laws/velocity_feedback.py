@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Active velocity feedback: the paper's 1-DOF law (Fig. 7), a skyhook damper.
+
+    u(k) = -g s v(k),    v = H y,    H(s) = s / (s + w_l)^2
+
+y is the upper acceleration without its bias, H the drift-free integrator of `satvib_common.signals.integrator` (a pure
+integrator turns a bias into a ramp: the drift that the paper complains of), s = +-1 the polarity of the wiring, taken
+from the identified model when there is one, and g the gain in V/(m/s).
+
+The paper's "differential controller gain is 550" has no unit. Its figures are in g, so it is read as 550 V per (g s),
+which is 550 / 9.80665 = 56.1 V/(m/s): the default.
+
+With an identified model, g is reduced to the bound that keeps the modulus margin, and the state says so; without, it is
+`velocity_fallback_gain` at most.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from satvib_common.phases import Phase
+from satvib_common.signals.integrator import LeakyIntegrator
+
+from satvib_control.laws.base import Array, BasicLaw, LawInput, Mask
+from satvib_control.laws.reasons import reason
+from satvib_control.model_analysis.dominant_mode import polarity
+from satvib_control.model_analysis.gain_bounds import gain_bounds
+
+if TYPE_CHECKING:
+    from satvib_ident.models.iir_model import IirModel
+
+    from satvib_control.parameters import ControllerParameters
+
+REDUCED = reason('the gain is reduced to the bound of the identified model')
+UNPROVEN = reason('no identified model: the fallback gain and the polarity as set, not proven')
+
+
+class VelocityFeedback(BasicLaw):
+    """u = -g s H y; see the module's page."""
+
+    def __init__(
+        self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
+    ) -> None:
+        super().__init__(parameters, dt, shape)
+        self._integrator = LeakyIntegrator(parameters.velocity_corner, dt, shape)
+        self._known = np.zeros(shape, dtype=bool)
+        unproven = min(parameters.velocity_gain, parameters.velocity_fallback_gain)
+        self._gain = np.full(shape, unproven * parameters.velocity_polarity)
+        self.state.ki = self._gain
+        self.state.reason = np.full(shape, UNPROVEN)
+
+    def set_model(self, model: 'IirModel', trusted: Mask, covariance: Array | None = None) -> None:
+        """Take sign and bounds from the model where it is trusted."""
+        p = self.parameters
+        bounds = gain_bounds(
+            model,
+            self._integrator.b,
+            self._integrator.a,
+            p.modulus_margin,
+            covariance if p.gain_confidence > 0.0 else None,
+            p.gain_confidence,
+        )
+        wanted = p.velocity_gain * polarity(model, self._integrator.b, self._integrator.a)
+        gain = bounds.project(wanted)
+        state = self.state
+        self._gain = np.where(trusted, gain, self._gain)
+        self._known = self._known | trusted
+        state.ki = self._gain
+        state.ki_min = np.where(trusted, bounds.minimum, state.ki_min)
+        state.ki_max = np.where(trusted, bounds.maximum, state.ki_max)
+        state.reason = np.where(trusted, np.where(gain != wanted, REDUCED, 0), state.reason)
+
+    def step(self, x: LawInput, phase: Phase) -> Array:  # noqa: ARG002 - the same in every phase
+        """Give the voltage (shape, V)."""
+        return -self._gain * self._integrator.velocity(x.upper)
+
+    def reset(self, mask: Mask | bool = True) -> None:
+        """Empty the integrator; the gain stays."""
+        self._integrator.reset(mask)

@@ -1,0 +1,201 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The interval of a gain that an identified model proves stable with a modulus margin.
+
+The loop is u = -K C(z) y on y = G(z) u + d, with G and C stable. With L = C G, the modulus margin is the distance of
+the Nyquist curve from -1, min_w |1 + K L(w)| = 1 / max |S|. For each frequency
+
+    |1 + K L|^2 = 1 + 2 K Re L + K^2 |L|^2 >= mu^2
+
+is a quadratic in K, so the gains that violate it are an open interval between its real roots, both of one sign. The
+largest interval around 0 that no frequency violates is
+
+    ( max over w of the negative roots next to 0, min over w of the positive roots next to 0 ).
+
+Inside it the loop is stable: it is so at K = 0, and as K moves no closed-loop pole can cross the unit circle while
+|1 + K L| >= mu > 0 for every w. The minimum is taken on a grid and refined by golden section around each local one.
+
+With a covariance of the model's parameters the Nyquist curve becomes a tube. To first order L moves by J dtheta, whose
+ellipse at each frequency has the largest semi-axis rho(w) at the wanted confidence, and the condition becomes
+
+    |1 + K L| >= mu + |K| rho,
+
+again a quadratic for each sign of K: the worst case over the confidence ellipsoid, frequency by frequency.
+
+Source: Garcia, Karimi, Longchamp, "Robust controller design by linear programming", and Landau et al., Adaptive
+Control, 2nd ed., section 8.3 (modulus margin), in the scalar form worked out above.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+from satvib_common.kernels.compile import kernel
+from scipy.special import gammaincinv
+
+from satvib_control.model_analysis.transfer import model_polynomials, stable
+
+if TYPE_CHECKING:
+    from satvib_ident.models.iir_model import IirModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class GainBounds:
+    """Where a gain may be.
+
+    Attributes:
+        minimum: shape; not above 0.
+        maximum: shape; not below 0. Both are 0 where the model or the controller is itself not stable.
+    """
+
+    minimum: Array
+    maximum: Array
+
+    def project(self, gain: ArrayLike) -> Array:
+        """Give the nearest gain (shape) inside."""
+        return np.minimum(np.maximum(gain, self.minimum), self.maximum)
+
+
+@njit
+def _value(c: Any, zi: Any) -> complex:
+    """Polynomial in z^-1 at one point."""
+    total = 0.0j
+    for i in range(c.shape[0] - 1, -1, -1):
+        total = total * zi + c[i]
+    return total
+
+
+@njit
+def _limit(
+    f: Any, side: Any, a: Any, b: Any, delay: Any, cb: Any, ca: Any, cov: Any, margin: Any
+) -> float:
+    """Smallest |K| of one sign (side 0: negative, 1: positive) that violates the margin at f (share of the rate)."""
+    w = 2.0 * math.pi * f
+    zi = complex(math.cos(w), -math.sin(w))
+    den = 1.0 + zi * _value(a, zi)
+    zd = complex(math.cos(w * delay), -math.sin(w * delay))
+    c = _value(cb, zi) / _value(ca, zi)
+    g = zd * _value(b, zi) / den
+    loop = c * g
+    rho = 0.0
+    n = a.shape[0]
+    size = cov.shape[0]
+    if size > 0:
+        re = np.empty(size)
+        im = np.empty(size)
+        power = zi
+        for i in range(n):
+            j = -c * g * power / den
+            re[i], im[i] = j.real, j.imag
+            power = power * zi
+        power = zd
+        for i in range(b.shape[0]):
+            j = c * power / den
+            re[n + i], im[n + i] = j.real, j.imag
+            power = power * zi
+        rr = 0.0
+        ri = 0.0
+        ii = 0.0
+        for i in range(size):
+            for j in range(size):
+                rr += re[i] * cov[i, j] * re[j]
+                ri += re[i] * cov[i, j] * im[j]
+                ii += im[i] * cov[i, j] * im[j]
+        half = 0.5 * (rr + ii)
+        rho = math.sqrt(max(half + math.sqrt(0.25 * (rr - ii) * (rr - ii) + ri * ri), 0.0))
+    real = loop.real if side == 1 else -loop.real
+    # (|L|^2 - rho^2) k^2 + 2 (Re - mu rho) k + 1 - mu^2 >= 0 for k = |K|
+    p = loop.real * loop.real + loop.imag * loop.imag - rho * rho
+    q = real - margin * rho
+    r = 1.0 - margin * margin
+    root = q * q - p * r
+    if root < 0.0:
+        return np.inf
+    root = math.sqrt(root)
+    if q >= 0.0:
+        # both roots negative when p > 0; one positive when p < 0
+        return (q + root) / -p if p < 0.0 else np.inf
+    return r / (-q + root)
+
+
+@kernel(
+    'void(f8[:], f8[:], f8, f8[:], f8[:], f8[:,:], f8, f8[:], f8[:])',
+    '(n),(m),(),(c),(e),(q,q),()->(),()',
+)
+def _bounds(
+    a: Any, b: Any, delay: Any, cb: Any, ca: Any, cov: Any, margin: Any, low: Any, high: Any
+) -> None:
+    """Interval of one item; `cov` is already scaled to the confidence ellipsoid, 0 x 0 for none."""
+    points = 800
+    start = math.log(1e-4)  # first grid point, as a share of the sample rate
+    step = (math.log(0.5) - start) / (points - 1)
+    golden = (math.sqrt(5.0) - 1.0) / 2.0
+    grid = np.empty(points)
+    for side in range(2):
+        best = np.inf
+        for i in range(points):
+            grid[i] = _limit(math.exp(start + step * i), side, a, b, delay, cb, ca, cov, margin)
+            best = min(best, grid[i])
+        for i in range(points):
+            before = grid[max(i - 1, 0)]
+            after = grid[min(i + 1, points - 1)]
+            # only minima that could still be the smallest are worth refining
+            if grid[i] > 1.5 * best or grid[i] > before or grid[i] > after:
+                continue
+            left = start + step * max(i - 1, 0)
+            right = start + step * min(i + 1, points - 1)
+            for _ in range(40):
+                x1 = right - golden * (right - left)
+                x2 = left + golden * (right - left)
+                f1 = _limit(math.exp(x1), side, a, b, delay, cb, ca, cov, margin)
+                f2 = _limit(math.exp(x2), side, a, b, delay, cb, ca, cov, margin)
+                best = min(best, f1, f2)
+                if f1 < f2:
+                    right = x2
+                else:
+                    left = x1
+        if side == 0:
+            low[0] = -best
+        else:
+            high[0] = best
+
+
+def gain_bounds(
+    model: 'IirModel',
+    numerator: ArrayLike,
+    denominator: ArrayLike,
+    margin: float,
+    covariance: ArrayLike | None = None,
+    confidence: float = 0.99,
+) -> GainBounds:
+    """Give the interval of K for u = -K C(z) y.
+
+    Args:
+        model: G, batched as it is.
+        numerator: (..., c), of C in z^-1, lowest power first.
+        denominator: (..., e), of C.
+        margin: modulus margin, in (0, 1).
+        covariance: (..., n + m, n + m) of (a1..an, b1..bm); None or NaN: the model is taken as it is.
+        confidence: of the ellipsoid that the covariance spans.
+    """
+    a, b = np.asarray(model.a, dtype=float), np.asarray(model.b, dtype=float)
+    cb, ca = np.asarray(numerator, dtype=float), np.asarray(denominator, dtype=float)
+    size = a.shape[-1] + b.shape[-1]
+    if covariance is None:
+        cov = np.zeros((0, 0))
+    else:
+        # the quantile of chi squared, without scipy.stats: to import that takes a third of a second, in mid-run
+        quantile = 2.0 * float(gammaincinv(0.5 * size, confidence))
+        cov = np.asarray(covariance, dtype=float) * quantile
+        cov = np.where(np.isfinite(cov), cov, 0.0)
+    with np.errstate(all='ignore'):
+        low, high = _bounds(a, b, float(model.delay), cb, ca, cov, margin)
+        good = (stable(model_polynomials(model)[1]) * stable(ca)) > 0.0
+    return GainBounds(
+        np.where(good & np.isfinite(low), low, 0.0), np.where(good & np.isfinite(high), high, 0.0)
+    )

@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Margins of a loop u = -K C y on the identified model: modulus, phase, gain and delay.
+
+With L = K C G on the unit circle:
+
+    modulus margin  min |1 + L| = 1 / max |S|
+    phase margin    min over |L| = 1 of |arg L - pi|, and the delay margin min over |L| = 1 of that angle / w:
+                    how much later the voltage may come before the loop oscillates
+    gain margin     the factor on K at which the loop first oscillates
+
+Found on a grid, crossings refined by bisection. Angles of the delay margin are taken clockwise, in (0, 2 pi].
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from satvib_common.kernels.compile import kernel
+from satvib_ident.models.iir_model import IirModel
+
+from satvib_control.model_analysis.transfer import model_polynomials, multiply, respond
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Margins of a batch of loops; infinite where there is no such crossing.
+
+    Attributes:
+        modulus: shape; least distance of L from -1.
+        phase: shape, rad.
+        delay: shape, s.
+        gain: shape; factor.
+    """
+
+    modulus: Array
+    phase: Array
+    delay: Array
+    gain: Array
+
+
+@kernel('void(f8[:],f8[:],f8[:],f8[:],f8[:],f8[:])', '(p),(r)->(),(),(),()')
+def _margins(num: Any, den: Any, modulus: Any, phase: Any, delay: Any, gain: Any) -> None:
+    points = 4000
+    start = math.log(1e-4)
+    step = (math.log(0.5) - start) / (points - 1)
+    modulus[0] = 1.0
+    phase[0] = np.inf
+    delay[0] = np.inf
+    gain[0] = np.inf
+    before = respond(num, den, 2.0 * math.pi * math.exp(start))
+    for i in range(1, points):
+        low, high = start + step * (i - 1), start + step * i
+        here = respond(num, den, 2.0 * math.pi * math.exp(high))
+        modulus[0] = min(modulus[0], abs(1.0 + here))
+        if (abs(before) - 1.0) * (abs(here) - 1.0) < 0.0:
+            sign = abs(before) - 1.0
+            a, b = low, high
+            for _ in range(50):
+                middle = 0.5 * (a + b)
+                if (abs(respond(num, den, 2.0 * math.pi * math.exp(middle))) - 1.0) * sign > 0.0:
+                    a = middle
+                else:
+                    b = middle
+            w = 2.0 * math.pi * math.exp(0.5 * (a + b))
+            crossing = respond(num, den, w)
+            angle = math.atan2(crossing.imag, crossing.real)
+            phase[0] = min(phase[0], math.pi - abs(angle))
+            delay[0] = min(delay[0], (angle + math.pi if angle > -math.pi else 2.0 * math.pi) / w)
+        if before.imag * here.imag < 0.0 and here.real < 0.0 and before.real < 0.0:
+            sign = before.imag
+            a, b = low, high
+            for _ in range(50):
+                middle = 0.5 * (a + b)
+                if respond(num, den, 2.0 * math.pi * math.exp(middle)).imag * sign > 0.0:
+                    a = middle
+                else:
+                    b = middle
+            crossing = respond(num, den, 2.0 * math.pi * math.exp(0.5 * (a + b)))
+            if crossing.real > -1.0:
+                gain[0] = min(gain[0], -1.0 / crossing.real)
+        before = here
+    # at half the sample rate L is real
+    last = respond(num, den, math.pi).real
+    if -1.0 < last < 0.0:
+        gain[0] = min(gain[0], -1.0 / last)
+
+
+def margins(
+    model: IirModel, numerator: ArrayLike, denominator: ArrayLike, gain: ArrayLike
+) -> Margins:
+    """Give the margins of u = -K C y, for a loop that is stable as it is.
+
+    Args:
+        model: G.
+        numerator: (..., c), of C in z^-1, lowest power first.
+        denominator: (..., e), of C.
+        gain: shape; K.
+    """
+    b, a = model_polynomials(model)
+    num = multiply(b, numerator) * np.asarray(gain, dtype=float)[..., None]
+    with np.errstate(all='ignore'):
+        modulus, phase, delay, factor = _margins(num, multiply(a, denominator))
+    return Margins(modulus, phase, np.asarray(delay) * model.dt, factor)

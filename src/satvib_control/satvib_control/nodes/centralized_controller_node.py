@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node `centralized_controller`: carries messages to and from `CentralizedCore`.
+
+It runs in place of all strut controllers, and speaks on their topics: it listens to the acceleration of every strut,
+answers when a sample of all of them is there, and publishes every strut's voltage and controller state.
+"""
+
+from collections import deque
+from functools import partial
+
+from satvib_common.phases import PhasePlan
+from satvib_common.ros.main import run_node
+from satvib_common.ros.qos import wanted
+
+from satvib_control.core.centralized import CentralizedCore
+from satvib_control.laws.centralized.parameters import CentralizedParameters
+from satvib_control.nodes.controller_node import ControllerNode
+from satvib_control.nodes.sample_gatherer import Gathering
+from satvib_msgs.msg import Schedule, StrutAcceleration
+
+
+class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
+    """Controls all struts."""
+
+    stopped = 'every strut goes to 0 V from the next sample on, until reset'
+    nothing_yet = 'no acceleration of all struts yet'
+
+    def __init__(self) -> None:
+        super().__init__('centralized_controller', CentralizedParameters)
+
+    def make(self) -> None:
+        """Build the core and the queue of whole samples."""
+        p = self.parameters
+        self.names = [f'strut_{i + 1}' for i in range(p.struts)]
+        self.serve(
+            CentralizedCore(p, (p.struts,)),
+            [((i,), f'{name}/') for i, name in enumerate(self.names)],
+        )
+        self.gathering: Gathering[StrutAcceleration] = Gathering(p.struts)
+        self.waiting: deque[tuple[int, list[StrutAcceleration]]] = deque()
+
+    def begin(self) -> None:
+        """Listen to all struts and to the schedule."""
+        qos = wanted(whole=self.parameters.lockstep)
+        self.listen_to(Schedule, 'schedule', self.on_schedule, wanted(whole=True))
+        for i, name in enumerate(self.names):
+            self.listen_to(
+                StrutAcceleration, f'{name}/acceleration', partial(self._on_acceleration, i), qos
+            )
+
+    @property
+    def samples_waiting(self) -> int:
+        """How many whole samples wait for the schedule."""
+        return len(self.waiting)
+
+    def work(self, plan: PhasePlan) -> None:
+        """Answer every sample that is there for all struts."""
+        while self.waiting:
+            self.answer(*self.waiting.popleft(), plan)
+
+    def _on_acceleration(self, strut: int, message: StrutAcceleration) -> None:
+        if message.sequence == 0 or self.last is None:
+            self.check_period(f'{self.names[strut]} acceleration', message)
+        whole = self.gathering.add(strut, message.sequence, message)
+        if whole is not None:
+            self.waiting.append((message.sequence, whole))
+            self.proceed()
+
+
+def main() -> None:
+    """Run the node."""
+    run_node(CentralizedControllerNode)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What every controller node does: schedule, settings, services, diagnostics, and answering samples of its struts.
+
+The voltages are published before anything else. When a sample is answered, and by which model, is the node's own.
+"""
+
+import time
+from abc import abstractmethod
+from collections.abc import Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+from satvib_common.phases import Phase, PhasePlan
+from satvib_common.ros.convert import check_period, nanoseconds, plan_of
+from satvib_common.ros.node import SatvibNode
+
+from satvib_control.core.controller import ControllerCore, ControllerOutput
+from satvib_control.parameters import ControllerParameters
+from satvib_msgs.msg import ControllerState, Schedule, StrutAcceleration, VcaVoltage
+
+P = TypeVar('P', bound=ControllerParameters)
+Index = tuple[int, ...]
+_STANDBY = PhasePlan((Phase.STANDBY,), (0,))
+
+
+class ControllerNode(SatvibNode[P]):
+    """Controls one strut or all."""
+
+    stopped = '0 V from the next sample on, until reset'
+    nothing_yet = 'no acceleration yet'
+
+    def serve(self, core: ControllerCore, struts: Sequence[tuple[Index, str]]) -> None:
+        """Keep the core; make the messages that are refilled and their publishers.
+
+        Args:
+            core: decides.
+            struts: for each, its place in the core's arrays and what its topics' names begin with.
+        """
+        self.core, self.places = core, [place for place, _ in struts]
+        self.plan: PhasePlan | None = None
+        self.last: ControllerOutput | None = None
+        self.last_stamp: int | None = None
+        self.slowest = 0.0
+        self.voltages = [VcaVoltage() for _ in struts]
+        self.states = [ControllerState(law=self.parameters.law) for _ in struts]
+        self.voltage_out = [self.publish_on(VcaVoltage, f'{name}voltage') for _, name in struts]
+        self.state_out = [
+            self.publish_on(ControllerState, f'{name}controller_state') for _, name in struts
+        ]
+
+    @abstractmethod
+    def work(self, plan: PhasePlan) -> None:
+        """Answer every sample that has all it needs."""
+
+    @property
+    @abstractmethod
+    def samples_waiting(self) -> int:
+        """How many samples wait for what they need."""
+
+    def proceed(self) -> None:
+        """Answer what can be answered: in lockstep nothing before the schedule is there."""
+        if self.plan is not None or not self.parameters.lockstep:
+            self.work(self.plan or _STANDBY)
+
+    def end(self) -> None:
+        """Leave the struts at 0 V, unless the run is over anyway."""
+        last = self.last
+        over = self.plan is not None and last is not None and last.sequence == self.plan.end - 1
+        if last is None or over:
+            return
+        for voltage, publisher in zip(self.voltages, self.voltage_out, strict=True):
+            if voltage.voltage != 0.0:
+                voltage.voltage = 0.0
+                publisher.publish(voltage)
+
+    def changed(self, parameters: P) -> None:
+        """Hand new settings to the core."""
+        self.core.apply(parameters)
+
+    def stop(self) -> str:
+        """Latch 0 V."""
+        self.core.stop()
+        return self.stopped
+
+    def reset(self) -> str:
+        """Release faults."""
+        self.core.reset()
+        return 'faults are released'
+
+    def diagnose(self) -> tuple[str, dict[str, object]]:
+        """Give what a person wants to know first."""
+        last, slowest = self.last, self.slowest
+        self.slowest = 0.0
+        if last is None:
+            return self.nothing_yet, {'samples waiting': self.samples_waiting}
+        told = {last.reason_text(place) for place in self.places} - {''}
+        figures = {
+            'sequence': last.sequence,
+            'phase': last.phase.name,
+            'law': last.law,
+            'samples waiting': self.samples_waiting,
+            'samples lost': last.missed_samples,
+            'slowest step [s]': slowest,
+        }
+        return '; '.join(sorted(told)), figures
+
+    def on_schedule(self, message: Schedule) -> None:
+        """Take the schedule."""
+        self.check_period('schedule', message)
+        self.plan = plan_of(message)
+        self.proceed()
+
+    def check_period(self, name: str, message: Any) -> None:
+        """Refuse a message with another sample period than this node's, by name."""
+        check_period(name, message.sample_period, self.parameters.sample_rate)
+
+    def answer(self, k: int, samples: Sequence[StrutAcceleration], plan: PhasePlan) -> None:
+        """Publish voltage and state of every strut for the sample of number k."""
+        start = time.perf_counter()
+        upper, lower = (
+            np.array([getattr(sample, name) for sample in samples]).reshape(self.core.shape)
+            for name in ('upper', 'lower')
+        )
+        output = self.core.step(k, plan, upper, lower)
+        for i, (place, sample) in enumerate(zip(self.places, samples, strict=True)):
+            v = self.voltages[i]
+            v.header, v.sequence = sample.header, k
+            v.voltage = float(output.voltage[place])
+            v.saturated, v.fault = bool(output.saturated[place]), bool(output.fault[place])
+            self.voltage_out[i].publish(v)
+        self.last = output
+        stamp = nanoseconds(samples[0].header.stamp)
+        step = 0.0 if self.last_stamp is None else (stamp - self.last_stamp) * 1e-9
+        self.last_stamp = stamp
+        spent = time.perf_counter() - start
+        self.slowest = max(self.slowest, spent)
+        for i, (place, sample) in enumerate(zip(self.places, samples, strict=True)):
+            s = self.states[i]
+            s.header = sample.header
+            for name, value in output.fields(place).items():
+                setattr(s, name, value)
+            s.time_step, s.compute_time = step, spent
+            self.state_out[i].publish(s)

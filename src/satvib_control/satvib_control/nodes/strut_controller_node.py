@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node `strut_controller`: carries messages to and from `ControllerCore`.
+
+It listens to its own strut only. In lockstep a sample waits until the schedule is there and, when it is a hand-over
+sample, until the model of the sample before is there; in real time the newest model is taken.
+"""
+
+from collections import deque
+
+import numpy as np
+from satvib_common.errors import SatvibError
+from satvib_common.phases import PhasePlan
+from satvib_common.ros.main import run_node
+from satvib_common.ros.qos import wanted
+from satvib_common.sequence import Arrival, SequenceTracker
+from satvib_ident.models.iir_model import IirModel
+
+from satvib_control.core.controller import ControllerCore
+from satvib_control.nodes.controller_node import ControllerNode
+from satvib_control.nodes.model_queue import ModelQueue
+from satvib_control.parameters import ControllerParameters
+from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration
+
+
+class StrutControllerNode(ControllerNode[ControllerParameters]):
+    """Controls one strut."""
+
+    def __init__(self) -> None:
+        super().__init__('strut_controller', ControllerParameters)
+
+    def make(self) -> None:
+        """Build the core and the queues."""
+        p = self.parameters
+        self.serve(ControllerCore(p), [((), '')])
+        self.waiting: deque[StrutAcceleration] = deque()
+        self.models: ModelQueue[IirParameters] = ModelQueue(p.model_period, wait=p.lockstep)
+        self.tracker = SequenceTracker()
+
+    def begin(self) -> None:
+        """Listen to the strut and to the schedule."""
+        qos = wanted(whole=self.parameters.lockstep)
+        self.listen_to(Schedule, self.shared('schedule'), self.on_schedule, wanted(whole=True))
+        self.listen_to(IirParameters, 'identified_model', self._on_model, wanted(whole=True))
+        self.listen_to(StrutAcceleration, 'acceleration', self._on_acceleration, qos)
+
+    @property
+    def samples_waiting(self) -> int:
+        """How many samples wait for schedule or model."""
+        return len(self.waiting)
+
+    def work(self, plan: PhasePlan) -> None:
+        """Answer every sample that has all it needs."""
+        while self.waiting:
+            ready, model = self.models.take(self.waiting[0].sequence, plan)
+            if not ready:
+                return
+            if model is not None:
+                self._set_model(model)
+            sample = self.waiting.popleft()
+            self.answer(sample.sequence, [sample], plan)
+
+    def _on_model(self, message: IirParameters) -> None:
+        self.check_period(f'{self.strut} identified_model', message)
+        self.models.add(message.sequence, message, self.plan)
+        self.proceed()
+
+    def _on_acceleration(self, message: StrutAcceleration) -> None:
+        arrival = self.tracker.see(message.sequence)
+        if arrival in {Arrival.FIRST, Arrival.RESTART}:
+            self.check_period(f'{self.strut} acceleration', message)
+            self.waiting.clear()
+            self.models.begin(message.sequence, anew=arrival is Arrival.RESTART)
+        if arrival is not Arrival.REPEAT:
+            self.waiting.append(message)
+            self.proceed()
+
+    def _set_model(self, m: IirParameters) -> None:
+        count = len(m.a) + len(m.b)
+        if len(m.covariance) != count * count:
+            raise SatvibError(
+                f'{self.strut} identified_model: {len(m.covariance)} covariances for {count} '
+                'parameters'
+            )
+        model = IirModel(
+            np.frombuffer(m.a), np.frombuffer(m.b), int(m.delay), float(m.sample_period)
+        )
+        covariance = np.frombuffer(m.covariance).reshape(count, count)
+        self.core.set_model(model, np.asarray(m.converged), m.reason, covariance)
+
+
+def main() -> None:
+    """Run the node."""
+    run_node(StrutControllerNode)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,188 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node `daq_bridge`: real hardware in the plant's place, with the plant's topics and messages.
+
+    ros2 run satvib_daq_bridge daq_bridge --ros-args -p channels:=my_rig.yaml -p sample_rate:=200.0
+
+It has no outputs of its own: a guardian process owns them (`guardian`). Configuring starts the guardian, which opens
+the devices at 0 V, and the bias is learnt. The run begins with sample 0 when the schedule is there and ~/arm was
+called. Services: ~/arm, ~/stop, ~/estop, ~/reset, ~/calibrate. Every change of state is on /diagnostics at once.
+"""
+
+import time
+from functools import partial
+
+from satvib_common.errors import SatvibError
+from satvib_common.ros.convert import check_period, plan_of, set_stamp
+from satvib_common.ros.main import run_node
+from satvib_common.ros.node import SatvibNode
+from satvib_common.ros.qos import wanted
+
+from satvib_daq_bridge.bridge.bridge import Bridge, Published
+from satvib_daq_bridge.bridge.session import Session
+from satvib_daq_bridge.parameters import BridgeParameters
+from satvib_daq_bridge.states import State, Transition
+from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage
+
+_LATCHED = {State.FAULT, State.ESTOP}
+
+
+class DaqBridgeNode(SatvibNode[BridgeParameters]):
+    """Connects the graph to a session with the hardware."""
+
+    def __init__(self) -> None:
+        self.session: Session | None = None
+        self.latched: Transition | None = None
+        self.transitions: list[Transition] = []
+        super().__init__('daq_bridge', BridgeParameters)
+
+    @property
+    def bridge(self) -> Bridge:
+        """The bridge of the session."""
+        assert self.session is not None
+        return self.session.bridge
+
+    def make(self) -> None:
+        """Open the devices at 0 V and begin to read."""
+        p = self.parameters
+        self.session = Session(p, self._ring, self.transitions.append, self.latched)
+        self.epoch = time.time_ns() - time.monotonic_ns()
+        struts = self.bridge.struts
+        self.outs = [self.publish_on(StrutAcceleration, f'{s}/acceleration') for s in struts]
+        self.messages = [StrutAcceleration(sample_period=p.period) for _ in struts]
+        for message, name in zip(self.messages, struts, strict=True):
+            message.header.frame_id = name
+        self.every(0.02, self._serve)
+        self.every(0.1, self._look_for_others)
+        for what in ('arm', 'estop', 'calibrate'):
+            self.offer(what)
+
+    def begin(self) -> None:
+        """Listen to the controllers and to the schedule."""
+        self.listen_to(Schedule, 'schedule', self._on_schedule, wanted(whole=True))
+        for i, name in enumerate(self.bridge.struts):
+            qos = wanted(whole=self.bridge.virtual)
+            self.listen_to(VcaVoltage, f'{name}/voltage', partial(self._on_voltage, i), qos)
+
+    def end(self) -> None:
+        """Leave the outputs at 0 V."""
+        self.bridge.states.stop('deactivated')
+        self._tell_transitions()
+
+    def discard(self) -> None:
+        """Let the guardian go, at 0 V; a latched fault is kept in mind."""
+        if self.session is not None:
+            self.session.close('cleaned up')
+            self.latched = self.bridge.states.latched
+            self._tell_transitions()
+        self.session = None
+
+    def finish(self, line: str = '', code: int = 0) -> None:
+        """Go to 0 V first, and then end; a signal handler calls this too."""
+        if self.session is not None:
+            self.bridge.states.stop('the process is told to end')
+        super().finish(line, code)
+
+    def arm(self) -> str:
+        """IDLE -> ARMED, unless somebody else publishes voltages."""
+        self.bridge.arm(self._others())
+        return 'armed: voltages leave as soon as every strut has answered'
+
+    def stop(self) -> str:
+        """ARMED, ACTIVE -> IDLE."""
+        self.bridge.states.stop('stopped by request')
+        return f'0 V, {self.bridge.states.state.name}'
+
+    def estop(self) -> str:
+        """Latch 0 V."""
+        self.bridge.states.estop('emergency stop by request')
+        return '0 V, latched until reset'
+
+    def reset(self) -> str:
+        """FAULT, ESTOP -> IDLE."""
+        assert self.session is not None
+        self.session.reset()
+        return 'IDLE; arm it again to go on'
+
+    def calibrate(self) -> str:
+        """Learn the bias anew."""
+        self.bridge.calibrate()
+        return f'the rig must be at rest for {self.parameters.calibration_time:g} s'
+
+    def tick(self) -> float:
+        """Take what the guardian has sent; the bell wakes the loop for more."""
+        self._serve()
+        return 0.1
+
+    def _on_schedule(self, message: Schedule) -> None:
+        check_period('schedule', message.sample_period, self.parameters.sample_rate)
+        if list(message.struts) != self.bridge.struts:
+            given, own = ', '.join(message.struts), ', '.join(self.bridge.struts)
+            raise SatvibError(f'schedule: struts {given}, but the channels have {own}')
+        self.bridge.schedule(plan_of(message).end)
+
+    def _on_voltage(self, strut: int, message: VcaVoltage) -> None:
+        self.bridge.command(strut, message.sequence, message.voltage)
+
+    def _ring(self) -> None:
+        self.wake.set_result(None)
+
+    def _serve(self) -> None:
+        assert self.session is not None
+        for published in self.session.serve():
+            if self.active:
+                self._publish(published)
+        if self.bridge.over and not self.ended:
+            self.finish(self.bridge.over)
+        while self.session.notes:
+            self.get_logger().info(self.session.notes.pop(0))
+        self._tell_transitions()
+
+    def _publish(self, published: Published) -> None:
+        stamp = round(published.time * 1e9) + self.epoch
+        for i, (message, out) in enumerate(zip(self.messages, self.outs, strict=True)):
+            set_stamp(message.header.stamp, stamp)
+            message.sequence = published.sequence
+            message.upper, message.lower = float(published.upper[i]), float(published.lower[i])
+            out.publish(message)
+
+    def _others(self) -> str:
+        """Who publishes voltages beside the controllers; empty when nobody does."""
+        for name in self.bridge.struts:
+            count = self.count_publishers(f'{name}/voltage')
+            if count > 1:
+                return f'{count} publishers on {name}/voltage, only one is allowed'
+        return ''
+
+    def _look_for_others(self) -> None:
+        if self.bridge.states.state in {State.ARMED, State.ACTIVE} and (others := self._others()):
+            self.bridge.states.fault(others)
+
+    def _tell_transitions(self) -> None:
+        """Publish every change of state; those of a signal handler have waited for this."""
+        while self.transitions:
+            transition = self.transitions.pop(0)
+            failed = transition.after in _LATCHED
+            if failed:  # rclpy wants one place in the source for each severity
+                self.get_logger().error(str(transition))
+            else:
+                self.get_logger().info(str(transition))
+            figures = {'state': transition.after.name, 'before': transition.before.name}
+            figures['reason'] = transition.reason
+            complaint = str(transition) if failed else ''
+            self._diagnostics.publish(True, complaint, figures, str(transition), failed)
+
+    def _report(self) -> None:
+        states = self.bridge.states
+        complaint = states.reason if states.state in _LATCHED else ''
+        well = f'{states.state.name}: {states.reason}'
+        self._diagnostics.publish(True, complaint, self.bridge.diagnose(), well, bool(complaint))
+
+
+def main() -> None:
+    """Run the node."""
+    run_node(DaqBridgeNode)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a reader of the figures must know, in sentences."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from satvib_experiment.analysis.evaluation import Evaluation
+from satvib_experiment.recording.recording import Recording
+
+# measured and true attenuation that differ by more than this are worth a sentence
+HONESTY = 3.0
+
+# dB; less is no change
+_NOTABLE = 0.1
+
+_NAMES = {'rms': 'RMS', 'tone': 'tone'}
+
+
+def notes_for(recording: Recording, evaluation: Evaluation) -> list[str]:
+    """Sentences about a run, the weightiest first."""
+    return [
+        *_honesty(evaluation),
+        *_worse(evaluation),
+        *_limits(evaluation),
+        *_reasons(recording),
+        *_losses(recording),
+        *_missing(recording, evaluation),
+    ]
+
+
+def _honesty(evaluation: Evaluation) -> list[str]:
+    """Say where the loop's own samples tell another story than the truth between them."""
+    sentences = []
+    for name, word in _NAMES.items():
+        measured = evaluation.attenuation[f'measured_{name}']
+        true = evaluation.attenuation[f'true_{name}']
+        apart = np.abs(measured - true) > HONESTY
+        if not np.any(apart):
+            continue
+        pairs = '; '.join(
+            f'{_label(evaluation, i)} {measured[i]:+.1f} dB measured, {true[i]:+.1f} dB true'
+            for i in np.flatnonzero(apart)
+        )
+        optimistic = np.all(measured[apart] < true[apart])
+        verdict = (
+            'The loop believes itself better than it is'
+            if optimistic
+            else "The loop's own samples do not show what happens between them"
+        )
+        sentences.append(
+            f'Measured and true attenuation of the {word} differ by more than {HONESTY:.0f} dB: '
+            f'{pairs}. {verdict}; judge by the true figures.'
+        )
+    return sentences
+
+
+def _label(evaluation: Evaluation, i: np.intp) -> str:
+    return evaluation.struts[i].replace('_', ' ')
+
+
+def _listed(evaluation: Evaluation, where: NDArray[np.bool_]) -> str:
+    return ', '.join(_label(evaluation, i) for i in np.flatnonzero(where))
+
+
+def _worse(evaluation: Evaluation) -> list[str]:
+    true, measured = evaluation.attenuation['true_rms'], evaluation.attenuation['measured_rms']
+    known = np.where(np.isfinite(true), true, measured)
+    worse = known > _NOTABLE
+    if not np.any(worse):
+        return []
+    largest = np.nanmax(known)
+    return [
+        (
+            f'Control makes the vibration of the payload worse at {_listed(evaluation, worse)} '
+            f'(by up to {largest:.1f} dB in RMS).'
+        )
+    ]
+
+
+def _limits(evaluation: Evaluation) -> list[str]:
+    share = evaluation.saturated_share
+    if not np.any(share > 0.01):
+        return []
+    return [
+        (
+            f'The voltage guard stepped in on up to {100 * np.nanmax(share):.0f} % of the samples '
+            'under control; the law was not free to do what it wanted.'
+        )
+    ]
+
+
+def _reasons(recording: Recording) -> list[str]:
+    """Say why a controller did not act or adapt, as it stood at the end."""
+    sentences = []
+    if recording.has('state', 'reason'):
+        last = recording.get('state', 'reason')[-1]
+        by_text: dict[str, list[str]] = {}
+        for strut, text in zip(recording.struts, last, strict=True):
+            if text:
+                by_text.setdefault(str(text), []).append(strut.replace('_', ' '))
+        sentences += [
+            f'Controller of {", ".join(struts)}: {text}.' for text, struts in by_text.items()
+        ]
+    return sentences
+
+
+def _losses(recording: Recording) -> list[str]:
+    sentences = []
+    lost = {group: count for group, count in recording.lost().items() if count}
+    if lost:
+        listed = ', '.join(f'{count} of {group}' for group, count in lost.items())
+        sentences.append(f'Messages are missing from the recording: {listed}.')
+    counted = {name: count for name, count in recording.counts.items() if count}
+    if counted:
+        listed = ', '.join(f'{name.replace("_", " ")} {count}' for name, count in counted.items())
+        sentences.append(f'Lost, late or repeated on the way: {listed}.')
+    return sentences
+
+
+def _missing(recording: Recording, evaluation: Evaluation) -> list[str]:
+    sentences = []
+    if not recording.has('truth'):
+        sentences.append(
+            'There is no truth between the samples in this recording; the measured figures cannot '
+            'be checked against it.'
+        )
+    if evaluation.windows.controlled is None:
+        sentences.append('The run has no stretch under control; there is nothing to compare.')
+    elif evaluation.windows.uncontrolled is None:
+        sentences.append(
+            'The run has no stretch with the disturbance and without control; attenuation is '
+            'against its open-loop twin.'
+        )
+    return sentences

@@ -1,0 +1,238 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What happened in an experiment, as arrays by sample and strut, from the offline twin or from a bag.
+
+A recording has one group of arrays per topic, named after it (`identified_model` is `model`, `controller_state` is
+`state`), and one array per field of its message, named as in the message: `recording.get('acceleration', 'upper')` is
+(samples, struts), `recording.get('model', 'a')` is (samples, struts, n). `present` tells where a message was.
+"""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+from satvib_common.errors import SatvibError
+from satvib_common.phases import Phase, PhasePlan
+from satvib_plant_sim.rig.any_rig import AnyRig, rig_from_mapping
+
+from satvib_experiment.scenario.scenario import Scenario
+
+Group = dict[str, NDArray[Any]]
+
+# A group, the last part of its topic, and the name of its message.
+TOPICS = {
+    'acceleration': ('acceleration', 'StrutAcceleration'),
+    'voltage': ('voltage', 'VcaVoltage'),
+    'model': ('identified_model', 'IirParameters'),
+    'state': ('controller_state', 'ControllerState'),
+    'truth': ('truth', 'StrutTruth'),
+}
+
+# Fields that tell about the machine, not about the experiment.
+MACHINE_FIELDS = {('state', 'compute_time'), ('state', 'time_step')}
+
+
+@dataclass
+class Recording:
+    """One run.
+
+    Attributes:
+        struts: their names, in order.
+        sample_period: s.
+        plan: phases by sample.
+        sequence: (samples,), consecutive.
+        stamp: (samples,) ns, instants of sampling.
+        groups: arrays by group and field; the first two axes are (samples, struts).
+        scenario, rig: what was run, None when the bag does not say.
+        realtime: whether the run followed the wall clock.
+        seed: of everything random.
+        source: where it comes from, for people.
+        counts: what was lost, late or repeated.
+    """
+
+    struts: tuple[str, ...]
+    sample_period: float
+    plan: PhasePlan
+    sequence: NDArray[np.int64]
+    stamp: NDArray[np.int64]
+    groups: dict[str, Group]
+    scenario: Scenario | None = None
+    rig: AnyRig | None = None
+    realtime: bool = False
+    seed: int = 0
+    source: str = 'simulation'
+    counts: dict[str, int] = field(default_factory=dict)
+
+    def has(self, group: str, name: str | None = None) -> bool:
+        """Whether a group, or a field of it, is there."""
+        return group in self.groups and (name is None or name in self.groups[group])
+
+    def get(self, group: str, name: str) -> NDArray[Any]:
+        """Give one field (samples, struts, ...).
+
+        Raises:
+            SatvibError: the run was recorded without it.
+        """
+        if not self.has(group, name):
+            topic = TOPICS[group][0] if group in TOPICS else group
+            raise SatvibError(f'{self.source}: no {name} of topic {topic} was recorded')
+        return self.groups[group][name]
+
+    @property
+    def time(self) -> NDArray[np.float64]:
+        """Time of each sample since sample 0 (samples,), s."""
+        return np.asarray(self.sequence * self.sample_period)
+
+    @property
+    def phase(self) -> NDArray[np.int64]:
+        """Phase of each sample (samples,)."""
+        return np.array([self.plan.at(int(k)) for k in self.sequence])
+
+    @property
+    def fine_period(self) -> float:
+        """Spacing of the truth's fine samples, s."""
+        return self.sample_period / self.get('truth', 'upper').shape[2]
+
+    def window(self, start: float, stop: float) -> slice:
+        """Index range of the samples in [start, stop) s."""
+        rate = 1.0 / self.sample_period
+        first = int(self.sequence[0])
+        return slice(max(round(start * rate) - first, 0), max(round(stop * rate) - first, 0))
+
+    def phases(self) -> list[tuple[Phase, float, float]]:
+        """Phases with start and end in s, as far as they were recorded."""
+        last = (int(self.sequence[-1]) + 1) * self.sample_period
+        starts = [k * self.sample_period for k in self.plan.first]
+        ends = [*starts[1:], max(last, starts[-1])]
+        return [
+            (phase, start, min(end, last))
+            for phase, start, end in zip(self.plan.phases, starts, ends, strict=True)
+            if start < last
+        ]
+
+    def lost(self) -> dict[str, int]:
+        """Messages per group that should be there and are not (models come on some samples only)."""
+        return {
+            group: int(np.size(fields['present']) - np.count_nonzero(fields['present']))
+            for group, fields in self.groups.items()
+            if group != 'model'
+        }
+
+    def save(self, path: Path) -> None:
+        """Write one compressed .npz file.
+
+        Raises:
+            SatvibError: it exists already, or cannot be written.
+        """
+        about = {
+            'format': 'satvib recording 1',
+            'struts': self.struts,
+            'sample_period': self.sample_period,
+            'phases': [phase.name for phase in self.plan.phases],
+            'first': self.plan.first,
+            'end': self.plan.end,
+            'scenario': self.scenario.to_mapping() if self.scenario else None,
+            'rig': self.rig.to_mapping() if self.rig else None,
+            'realtime': self.realtime,
+            'seed': self.seed,
+            'source': self.source,
+            'counts': self.counts,
+        }
+        arrays = {f'{g}/{n}': a for g, group in self.groups.items() for n, a in group.items()}
+        try:
+            with path.open('xb') as sink:
+                np.savez_compressed(
+                    sink, about=np.array(json.dumps(about)), sequence=self.sequence,
+                    stamp=self.stamp, **arrays,  # type: ignore[arg-type]
+                )  # fmt: skip
+        except FileExistsError:
+            raise SatvibError(f'{path}: exists already, not overwritten') from None
+        except OSError as error:
+            raise SatvibError(f'{path}: cannot be written: {error.strerror}') from None
+
+
+def load_npz(path: Path) -> Recording:
+    """Read what `Recording.save` wrote.
+
+    Raises:
+        SatvibError: not there, or not such a file.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            arrays = {name: data[name] for name in data.files}
+        about = json.loads(str(arrays.pop('about')))
+        groups: dict[str, Group] = {}
+        sequence, stamp = arrays.pop('sequence'), arrays.pop('stamp')
+        for name, array in arrays.items():
+            group, _, member = name.partition('/')
+            groups.setdefault(group, {})[member] = array
+        plan = PhasePlan(
+            tuple(Phase[name] for name in about['phases']), tuple(about['first']), about['end']
+        )
+    except FileNotFoundError:
+        raise SatvibError(f'{path}: no such file') from None
+    except (OSError, ValueError, KeyError, EOFError, AttributeError, BadZipFile) as error:
+        raise SatvibError(f'{path}: not a satvib recording: {error}') from None
+    scenario, rig = about['scenario'], about['rig']
+    return Recording(
+        struts=tuple(about['struts']),
+        sample_period=about['sample_period'],
+        plan=plan,
+        sequence=sequence,
+        stamp=stamp,
+        groups=groups,
+        scenario=Scenario.from_mapping(scenario, str(path)) if scenario else None,
+        rig=rig_from_mapping(rig, str(path)) if rig else None,
+        realtime=about['realtime'],
+        seed=about['seed'],
+        source=about['source'],
+        counts=about['counts'],
+    )
+
+
+def differences(first: Recording, second: Recording) -> list[str]:
+    """Where two recordings differ in a single bit, one line per field; empty when they are the same.
+
+    Stamps and what tells about the machine are left out; models are compared on the samples that both have.
+    """
+    if first.sequence.shape != second.sequence.shape:
+        return [f'{len(first.sequence)} samples against {len(second.sequence)}']
+    lines = []
+    for group in sorted(set(first.groups) | set(second.groups)):
+        if not (first.has(group) and second.has(group)):
+            lines.append(f'{group}: only one of them has it')
+            continue
+        present = [r.get(group, 'present') for r in (first, second)]
+        if group != 'model' and not np.array_equal(present[0], present[1]):
+            lines.append(f'{group}: messages missing in one of them')
+        both = present[0] & present[1]
+        names = set(first.groups[group]) & set(second.groups[group]) - {'present'}
+        for name in sorted(names):
+            if (group, name) not in MACHINE_FIELDS:
+                lines += _difference(f'{group}.{name}', group, name, first, second, both)
+    return lines
+
+
+def _difference(
+    label: str, group: str, name: str, first: Recording, second: Recording, both: NDArray[np.bool_]
+) -> list[str]:
+    a, b = first.get(group, name), second.get(group, name)
+    if a.shape[2:] != b.shape[2:]:
+        return [f'{label}: shape {a.shape} against {b.shape}']
+    a, b = a[both], b[both]
+    same = a == b
+    if a.dtype.kind == 'f' and b.dtype.kind == 'f':
+        same = same & (np.signbit(a) == np.signbit(b)) | np.isnan(a) & np.isnan(b)
+    if np.all(same):
+        return []
+    where = np.argwhere(both)[np.argwhere(~same)[0][0]]
+    return [
+        (
+            f'{label}: {np.count_nonzero(~same)} of {same.size} differ, first at sample '
+            f'{int(first.sequence[where[0]])} of {first.struts[where[1]]}'
+        )
+    ]

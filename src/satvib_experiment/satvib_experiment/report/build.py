@@ -1,0 +1,73 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the report of a run into a folder: figures/*.png, report.html, result.json."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from satvib_common.errors import SatvibError
+
+from satvib_experiment.analysis import Evaluation, analyse
+from satvib_experiment.recording.recording import Recording
+from satvib_experiment.report.context import Context
+
+
+@dataclass(frozen=True)
+class Report:
+    """A written report.
+
+    Attributes:
+        page: report.html.
+        result: what result.json holds.
+        evaluation: the figures.
+    """
+
+    page: Path
+    result: dict[str, Any]
+    evaluation: Evaluation
+
+
+def refuse_existing(folder: Path) -> None:
+    """Refuse a folder that holds a report already.
+
+    Raises:
+        SatvibError: naming the file that would be overwritten.
+    """
+    for name in ('report.html', 'result.json', 'figures'):
+        if (folder / name).exists():
+            raise SatvibError(
+                f'{folder / name}: exists already, not overwritten; choose another folder'
+            )
+
+
+def write_report(recording: Recording, folder: Path) -> Report:
+    """Analyse a run and write its report.
+
+    Args:
+        recording: the run.
+        folder: where to; made when it is not there.
+
+    Raises:
+        SatvibError: there is a report already, the folder cannot be written, or the run is too short.
+    """
+    from satvib_experiment.report.figures.registry import draw_figures
+    from satvib_experiment.report.page import write_page
+    from satvib_experiment.report.result import write_result
+
+    refuse_existing(folder)
+    evaluation, open_loop = analyse(recording)
+    context = Context(recording, open_loop, evaluation)
+    figures = folder / 'figures'
+    try:
+        figures.mkdir(parents=True)
+    except OSError as error:
+        raise SatvibError(f'{figures}: cannot be made: {error.strerror}') from None
+    try:
+        drawn = draw_figures(context, figures)
+    except OSError as error:
+        raise SatvibError(f'{figures}: cannot be written: {error.strerror}') from None
+    result = write_result(context, folder / 'result.json')
+    page = folder / 'report.html'
+    write_page(context, result, drawn, page)
+    return Report(page, result, evaluation)

@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What every figure of a report is drawn from."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from satvib_common.phases import Phase
+
+from satvib_experiment.analysis.evaluation import Evaluation, fine
+from satvib_experiment.recording.recording import Recording
+
+
+@dataclass(frozen=True)
+class Context:
+    """A run, its open-loop twin when there is one, and its figures."""
+
+    recording: Recording
+    open_loop: Recording | None
+    evaluation: Evaluation
+
+    @property
+    def struts(self) -> tuple[str, ...]:
+        """Names of the struts."""
+        return self.recording.struts
+
+    @property
+    def has_truth(self) -> bool:
+        """Whether it is known what happened between the samples."""
+        return self.recording.has('truth', 'upper')
+
+    def fine_time(self, window: slice = slice(None)) -> NDArray[np.float64]:
+        """Time of the truth's fine samples, s."""
+        count = self.recording.get('truth', 'upper').shape[2]
+        start = self.recording.time[window]
+        steps = np.arange(count) * self.recording.fine_period
+        return np.asarray((start[:, None] + steps).ravel())
+
+    def fine(self, window: slice = slice(None), plate: str = 'upper') -> NDArray[np.float64]:
+        """Truth on the fine grid (samples, struts), m/s^2."""
+        return fine(self.recording, window, plate)
+
+    def measured(self, window: slice = slice(None)) -> NDArray[np.float64]:
+        """Upper acceleration as sampled, without the bias learnt in CALIBRATE (samples, struts), m/s^2."""
+        return without_bias(self.recording, window)
+
+    def span(self, phase: Phase) -> tuple[float, float] | None:
+        """Start and end in s of the first phase of a kind, None when there is none."""
+        for found, start, end in self.recording.phases():
+            if found is phase:
+                return start, end
+        return None
+
+
+def without_bias(recording: Recording, window: slice = slice(None)) -> NDArray[np.float64]:
+    """Upper acceleration as sampled (samples, struts), m/s^2, less what the sensor read at rest.
+
+    The bias that the controllers learnt last; without their states, the mean before anything moves is unknown and the
+    mean of all is taken.
+    """
+    upper = recording.get('acceleration', 'upper')
+    bias: Any = np.nanmean(upper, axis=0)
+    if recording.has('state', 'bias_upper'):
+        learnt = recording.get('state', 'bias_upper')[-1]
+        bias = np.where(np.isfinite(learnt), learnt, bias)
+    return np.asarray((upper - bias)[window])

@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The centralized scheme of a scenario: gains from a file, geometry from the rig.
+
+scheme: centralized
+centralized: {file: gains.yaml}        # or the gains themselves: gains_p, gains_i, gains_d
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from satvib_common.errors import SatvibError
+from satvib_common.schema import load_yaml
+from satvib_plant_sim.rig.any_rig import AnyRig
+from satvib_plant_sim.rig.rig import Rig
+
+if TYPE_CHECKING:
+    from satvib_control.laws.centralized.parameters import CentralizedParameters
+
+    from satvib_experiment.scenario.scenario import Scenario
+
+# settings of a strut's controller that say which law it has
+_OF_STRUTS = ('law',)
+
+
+def take_gains(data: dict[str, Any], path: Path) -> None:
+    """Put what `centralized.file` holds in its place; what stands beside it wins.
+
+    Args:
+        data: mapping of a scenario, which changes.
+        path: of the scenario, to which a relative name refers.
+
+    Raises:
+        SatvibError: the file is not one of gains.
+    """
+    section = data.get('centralized')
+    if not isinstance(section, Mapping) or 'file' not in section:
+        return
+    own = dict(section)
+    name = str(own.pop('file'))
+    beside = path.parent / name
+    file = beside if beside.exists() else Path(name)
+    found = load_yaml(file)
+    gains = found.get('centralized') if isinstance(found, Mapping) else None
+    if not isinstance(gains, Mapping):
+        raise SatvibError(f'{file}: no gains in it, the key centralized is expected')
+    data['centralized'] = {**gains, **own}
+
+
+def strut_angles(rig: AnyRig, where: str) -> list[float]:
+    """Give the angles of a rig's struts, deg.
+
+    Raises:
+        SatvibError: a rig of identified models, which stand nowhere.
+    """
+    if not isinstance(rig, Rig):
+        raise SatvibError(
+            f'{where}: scheme: centralized needs a rig with a geometry; {rig.name} is one of '
+            'identified models'
+        )
+    count = rig.struts.count
+    return [rig.struts.first_angle + 360.0 * i / count for i in range(count)]
+
+
+def centralized_parameters(scenario: Scenario, shared: Mapping[str, Any]) -> CentralizedParameters:
+    """Give the parameters of the centralized controller of a scenario.
+
+    Args:
+        scenario: its `controller` gives what both schemes have, `centralized` the rest.
+        shared: what all nodes of the loop have.
+    """
+    from satvib_control.laws.centralized.parameters import CentralizedParameters
+
+    where = f'scenario {scenario.name}: centralized'
+    angles = strut_angles(scenario.load_rig(), f'scenario {scenario.name}')
+    common = {k: v for k, v in scenario.controller.items() if k not in _OF_STRUTS}
+    own = {'struts': len(angles), 'strut_angles': angles}
+    return CentralizedParameters.from_mapping(
+        {**common, **scenario.centralized, **shared, **own}, where
+    )

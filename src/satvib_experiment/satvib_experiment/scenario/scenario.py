@@ -1,0 +1,248 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""A scenario: which rig, which phases, which disturbance, which identifier and law, and which seed.
+
+    scenario = load_scenario('paper_3dof', ['seed=7', 'controller.law=velocity_feedback', 'rig.payload.mass=12'])
+    plan = scenario.plan(rate)
+
+Every key is checked when the scenario is loaded, the nested mappings by the package that they belong to, and the file
+is named in the message.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from satvib_common.errors import SatvibError
+from satvib_common.phases import Phase, PhasePlan
+from satvib_common.schema import Schema, param
+from satvib_plant_sim.plant.failures import Failure, check_failures
+from satvib_plant_sim.rig.any_rig import AnyRig, load_any_rig, strut_count
+
+from satvib_experiment.scenario.centralized_scheme import centralized_parameters, take_gains
+from satvib_experiment.scenario.settings_file import (
+    load_settings,
+    names_in,
+    resolve_path,
+    settings_path,
+)
+
+if TYPE_CHECKING:
+    from satvib_control.parameters import ControllerParameters
+    from satvib_ident.parameters import IdentifierParameters
+    from satvib_plant_sim.disturbance import Disturbance
+
+FOLDER = Path(__file__).parents[1] / 'scenarios'
+
+# What the scenario gives to every node itself, so that no two of them can disagree.
+_SHARED = ('sample_rate', 'lockstep', 'model_period')
+_SET_BY = {
+    'sample_rate': 'the rig sets it, acquisition.sample_rate',
+    'lockstep': 'the way of running sets it',
+    'model_period': 'set the model_period of the scenario, for all nodes at once',
+    'strut': 'every strut gets its own',
+    'struts': 'the rig sets it, struts.count',
+    'strut_angles': 'the rig sets it, struts.first_angle',
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class PhaseStep(Schema):
+    """One phase and its start."""
+
+    phase: str = param(description='what the struts do', choices=tuple(p.name for p in Phase))
+    start: float = param(0.0, 'when it begins', unit='s', minimum=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnalysisSettings(Schema):
+    """What the report looks at; what is left out is found from the phases and the disturbance."""
+
+    uncontrolled: tuple[float, ...] = param(
+        (), 'window with the disturbance and without control', unit='s'
+    )
+    controlled: tuple[float, ...] = param(
+        (), 'window with the disturbance and settled control', unit='s'
+    )
+    frequencies: tuple[float, ...] = param((), 'tones to look at', unit='Hz', above=0.0)
+    reference: tuple[float, ...] = param((), 'attenuation to compare with, per strut', unit='dB')
+    reference_source: str = param('', 'where those figures come from')
+
+    def check(self) -> None:
+        """Check the windows."""
+        for name in ('uncontrolled', 'controlled'):
+            window = getattr(self, name)
+            if window and not (len(window) == 2 and 0.0 <= window[0] < window[1]):
+                raise SatvibError(f'{name}: a start and a later end are expected, not {window}')
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario(Schema):
+    """One experiment, complete: the same scenario and seed give the same samples, bit for bit."""
+
+    name: str = param(description='name of the scenario; runs are filed under it')
+    description: str = param('', 'what it shows')
+    rig: str = param(description='name of a rig, or path of its YAML file')
+    rig_overrides: dict[str, Any] = param(dict, 'changes to the rig by dotted key')
+    seed: int = param(1, 'seed of everything random', minimum=0, maximum=2**63 - 1)
+    duration: float = param(description='length of the experiment', unit='s', above=0.0)
+    phases: tuple[PhaseStep, ...] = param(description='phases in order, the first at 0 s')
+    disturbance: dict[str, Any] = param(dict, 'what shakes the lower plate; empty: nothing')
+    failures: tuple[Failure, ...] = param((), 'what goes wrong, and when')
+    command_timeout: float = param(
+        0.05,
+        'how long the board holds the voltage of a controller that says nothing, before it ramps '
+        'to 0 V over that same time',
+        unit='s',
+        above=0.0,
+    )
+    identifier: dict[str, Any] = param(dict, 'parameters of the strut identifiers')
+    controller: dict[str, Any] = param(dict, 'parameters of the strut controllers')
+    scheme: str = param(
+        'decentralized',
+        'a controller for each strut, or one for all of them',
+        choices=('decentralized', 'centralized'),
+    )
+    centralized: dict[str, Any] = param(
+        dict,
+        'parameters of the centralized controller, over those of `controller`; `file` names what '
+        '`satvib tune` has written',
+    )
+    model_period: int = param(
+        50, 'samples between hand-overs of the model; 0: only at phase changes', minimum=0
+    )
+    analysis: AnalysisSettings = param(AnalysisSettings(), 'what the report looks at')
+
+    def check(self) -> None:
+        """Check the phases and what two keys would set twice."""
+        if not self.name or set(self.name) & set('/\\ '):
+            raise SatvibError(f'name: {self.name!r} cannot be part of a folder name')
+        if not self.phases:
+            raise SatvibError('phases: at least one is needed')
+        for section in ('identifier', 'controller', 'centralized'):
+            for key in _SET_BY:
+                if key in getattr(self, section):
+                    raise SatvibError(f'{section}.{key}: {_SET_BY[key]}')
+        for name in ('uncontrolled', 'controlled'):
+            window = getattr(self.analysis, name)
+            if window and window[1] > self.duration:
+                raise SatvibError(
+                    f'analysis.{name}: ends at {window[1]} s, after the {self.duration} s'
+                )
+
+    def plan(self, rate: float) -> PhasePlan:
+        """Give the phases by sample index.
+
+        Args:
+            rate: Hz, sample rate of the rig.
+
+        Raises:
+            SatvibError: phases out of order, or closer than a sample.
+        """
+        steps = [(Phase[step.phase], step.start) for step in self.phases]
+        return PhasePlan.from_seconds(steps, self.duration, rate)
+
+    def load_rig(self) -> AnyRig:
+        """Give the rig with its overrides applied."""
+        return load_any_rig(self.rig, self.rig_overrides)
+
+    def make_disturbance(self) -> Disturbance:
+        """Give the disturbance."""
+        from satvib_plant_sim.disturbance import make_disturbance
+
+        return make_disturbance(self.disturbance or {'kind': 'none'})
+
+    def identifier_parameters(self, rate: float, lockstep: bool = True) -> IdentifierParameters:
+        """Give the parameters of every strut's identifier; `rate` in Hz."""
+        from satvib_ident.parameters import IdentifierParameters
+
+        return IdentifierParameters.from_mapping(
+            self.identifier | self._shared(rate, lockstep), f'scenario {self.name}: identifier'
+        )
+
+    def controller_parameters(
+        self, rate: float, lockstep: bool = True, strut: int = 0, struts: int | None = None
+    ) -> ControllerParameters:
+        """Give the parameters of a strut's controller, or of the centralized one.
+
+        Args:
+            rate: Hz.
+            lockstep: no clock.
+            strut: counts from 0; of no meaning in the centralized scheme, whose one controller has all struts.
+            struts: how many there are; None: the rig is asked.
+        """
+        from satvib_control.parameters import ControllerParameters
+        from satvib_plant_sim.rig.any_rig import strut_count
+
+        if self.scheme == 'centralized':
+            return centralized_parameters(self, self._shared(rate, lockstep))
+        own = {'strut': strut, 'struts': struts or strut_count(self.load_rig())}
+        return ControllerParameters.from_mapping(
+            self.controller | self._shared(rate, lockstep) | own,
+            f'scenario {self.name}: controller',
+        )
+
+    def _shared(self, rate: float, lockstep: bool) -> dict[str, Any]:
+        values = (float(rate), lockstep, self.model_period)
+        return dict(zip(_SHARED, values, strict=True))
+
+
+def scenario_names() -> list[str]:
+    """Names of the scenarios that come with the package."""
+    return names_in(FOLDER)
+
+
+def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scenario:
+    """Load a scenario and check all of it: its keys, rig, disturbance, identifier and controller.
+
+    Args:
+        name_or_path: a name of `scenario_names()`, or the path of a YAML file.
+        overrides: changes as 'key=value' with dots for nested keys; 'rig.payload.mass=12' changes the rig.
+
+    Raises:
+        SatvibError: no such scenario, or anything in it that is wrong.
+    """
+    path = scenario_path(name_or_path)
+    data = load_settings(path, overrides)
+    take_gains(data, path)
+    data.setdefault('name', path.stem)
+    scenario = Scenario.from_mapping(data, str(path))
+    rig = resolve_path(scenario.rig, path.parent)
+    scenario = scenario.replace(rig=rig)
+    check_scenario(scenario, str(path))
+    return scenario
+
+
+def scenario_path(name_or_path: str | Path) -> Path:
+    """Where a scenario is.
+
+    Raises:
+        SatvibError: neither a name of the package's nor a file.
+    """
+    return settings_path('scenario', name_or_path, FOLDER)
+
+
+def check_scenario(scenario: Scenario, where: str) -> None:
+    """Build every part of a scenario once, so that what is wrong shows before anything starts.
+
+    Raises:
+        SatvibError: the first thing that is wrong, `where` named.
+    """
+    try:
+        rig = scenario.load_rig()
+        rate = rig.acquisition.sample_rate
+        scenario.plan(rate)
+        scenario.make_disturbance()
+        check_failures(scenario.failures, rig, scenario.duration)
+        scenario.identifier_parameters(rate)
+        scenario.controller_parameters(rate)
+        reference = len(scenario.analysis.reference)
+        if reference not in {0, strut_count(rig)}:
+            raise SatvibError(
+                f'analysis.reference: {reference} figures for the {strut_count(rig)} struts of {rig.name}'
+            )
+    except SatvibError as error:
+        raise SatvibError(f'{where}: {error}') from None

@@ -1,9 +1,0 @@
-# SPDX-FileCopyrightText: 2026 The satvib authors
-# SPDX-License-Identifier: Apache-2.0
-"""Identification in continuous time: the paper's sections 1 and 2."""
-
-from satvib_ident.continuous.gradient import GradientEstimator
-from satvib_ident.continuous.least_squares import ContinuousLeastSquares
-from satvib_ident.continuous.regressor import ContinuousRegressor
-
-__all__ = ['ContinuousLeastSquares', 'ContinuousRegressor', 'GradientEstimator']

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Roots of batches of polynomials, and their largest modulus without them.
+
+The modulus needs no eigenvalues: the Schur-Cohn (Levinson step-down) recursion tells whether all roots of
+1 + a1 z^-1 + ... lie inside the unit circle, and a_i / r^i does so for the circle of radius r; r is bisected. Plain
+arithmetic, so the bits do not depend on the batch.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from satvib_common.kernels.compile import kernel
+
+
+def roots(coefficients: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Roots in z of c0 + c1 z^-1 + ... + cn z^-n, (..., n), item by item.
+
+    A leading zero coefficient means a root at infinity (inf); an item with a coefficient that is not finite gives
+    NaN.
+    """
+    count = coefficients.shape[-1] - 1
+    out = np.full((*coefficients.shape[:-1], count), np.inf, dtype=complex)
+    for index in np.ndindex(coefficients.shape[:-1]):
+        c = coefficients[index]
+        if not np.isfinite(c).all():
+            out[index] = np.nan
+            continue
+        found = np.roots(c)
+        # np.roots drops trailing zeros as roots at 0 and leading zeros without trace
+        out[index][: found.size] = found
+    return out
+
+
+@njit(inline='always')
+def _within(a, radius, c):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Schur-Cohn for the circle of a radius; `c` (n) is used up."""
+    n = a.shape[0]
+    scale = 1.0
+    for i in range(n):
+        scale /= radius
+        c[i] = a[i] * scale
+    for order in range(n, 0, -1):
+        k = c[order - 1]
+        if not abs(k) < 1.0:
+            return False
+        rest = 1.0 - k * k
+        for i in range((order - 1) // 2 + (order - 1) % 2):
+            j = order - 2 - i
+            left, right = c[i], c[j]
+            c[i] = (left - k * right) / rest
+            c[j] = (right - k * left) / rest
+    return True
+
+
+@njit(inline='always')
+def modulus_of(a):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Largest modulus of the roots of one polynomial; see `pole_modulus`."""
+    n = a.shape[0]
+    bound = 0.0
+    for i in range(n):
+        if not abs(a[i]) < 1e150:
+            return np.nan
+        bound += abs(a[i])
+    if bound == 0.0:
+        return 0.0
+    if n == 1:
+        return abs(a[0])
+    if n == 2:
+        half = -0.5 * a[0]
+        square = half * half - a[1]
+        return np.sqrt(a[1]) if square < 0.0 else abs(half) + np.sqrt(square)
+    low, high = 0.0, max(1.0, bound)  # Cauchy's bound
+    work = np.empty(n)
+    for _ in range(64):
+        r = 0.5 * (low + high)
+        if _within(a, r, work):
+            high = r
+        else:
+            low = r
+    return high
+
+
+@njit(inline='always')
+def inside(a, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+    """Whether all roots of one polynomial 1 + a1 z^-1 + ... lie inside a circle."""
+    n = a.shape[0]
+    for i in range(n):
+        if not abs(a[i]) < 1e150:
+            return False
+    if n == 2:  # without roots or divisions
+        square = radius * radius
+        return abs(a[1]) < square and abs(a[0]) * radius < square + a[1]
+    return _within(a, radius, np.empty(n))
+
+
+@kernel('void(f8[:], f8[:])', '(n)->()')
+def _modulus(a, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    out[0] = modulus_of(a)
+
+
+def pole_modulus(a: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Largest modulus of the roots of 1 + a1 z^-1 + ... + an z^-n, (...).
+
+    Args:
+        a: (..., n).
+
+    Returns:
+        (...); 0 without roots, NaN where a coefficient is not finite.
+    """
+    if a.shape[-1] == 0:
+        return np.zeros(a.shape[:-1])
+    return np.asarray(_modulus(a))

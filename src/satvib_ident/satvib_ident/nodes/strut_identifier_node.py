@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node `strut_identifier`: carries messages to and from `IdentifierCore`.
+
+Sample k of the acceleration is paired with the voltage of sample k - delay, as the strut's guard let it out (see
+`pairing`). In lockstep both, and the schedule, are waited for.
+
+The model is published for every sample of a phase in which it is estimated, and for the samples before a hand-over.
+"""
+
+import numpy as np
+from satvib_common.phases import Phase, PhasePlan
+from satvib_common.ros.convert import check_period, doubles, plan_of
+from satvib_common.ros.main import run_node
+from satvib_common.ros.node import SatvibNode
+from satvib_common.ros.qos import wanted
+from satvib_common.sequence import Arrival
+
+from satvib_ident.identifier import Identification, IdentifierCore
+from satvib_ident.nodes.voltage_pairing import Pairing
+from satvib_ident.parameters import IdentifierParameters
+from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration, VcaVoltage
+
+_GATHER = 0.005  # s
+_NEAR = 9  # samples
+
+
+class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
+    """Identifies one strut."""
+
+    def __init__(self) -> None:
+        super().__init__('strut_identifier', IdentifierParameters)
+
+    def make(self) -> None:
+        """Build the core and the message that is refilled."""
+        p = self.parameters
+        self.core = IdentifierCore(p)
+        self.plan: PhasePlan | None = None
+        self.phases = frozenset(Phase[name] for name in p.estimate_in)
+        self.pairing: Pairing[StrutAcceleration] = Pairing(p.delay, wait=p.lockstep)
+        self.message = IirParameters(sample_period=p.dt, delay=p.delay)
+        self.publisher = self.publish_on(IirParameters, 'identified_model')
+
+    def begin(self) -> None:
+        """Listen to the strut and to the schedule."""
+        qos = wanted(whole=self.parameters.lockstep)
+        self.listen_to(Schedule, self.shared('schedule'), self._on_schedule, wanted(whole=True))
+        self.listen_to(VcaVoltage, 'voltage', self._on_voltage, qos)
+        self.listen_to(StrutAcceleration, 'acceleration', self._on_acceleration, qos)
+
+    def pause(self) -> float:
+        """In lockstep nobody waits for a model until the next hand-over is near; that saves wake-ups."""
+        plan, last = self.plan, self.pairing.samples.last
+        if plan is None or last is None or not self.parameters.lockstep:
+            return 0.0
+        period = self.parameters.model_period
+        near = any(plan.handoff(k, period) for k in range(last, last + _NEAR))
+        return 0.0 if near else _GATHER
+
+    def reset(self) -> str:
+        """Begin to estimate anew."""
+        self.core.reset()
+        return 'the estimate begins anew'
+
+    def diagnose(self) -> tuple[str, dict[str, object]]:
+        """Give the counts of the core."""
+        samples = self.pairing.samples
+        figures: dict[str, object] = {
+            'sequence': -1 if samples.last is None else samples.last,
+            'samples waiting': len(self.pairing),
+            'samples without voltage': self.pairing.unknown,
+        }
+        figures |= {name: int(np.max(value)) for name, value in self.core.counters.items()}
+        return f'{samples.lost} samples lost' if samples.lost else '', figures
+
+    def _on_schedule(self, message: Schedule) -> None:
+        check_period('schedule', message.sample_period, self.parameters.sample_rate)
+        self.plan = plan_of(message)
+        self._work()
+
+    def _on_voltage(self, message: VcaVoltage) -> None:
+        self.pairing.add_voltage(message.sequence, message.voltage)
+        self._work()
+
+    def _on_acceleration(self, message: StrutAcceleration) -> None:
+        arrival = self.pairing.add_sample(message.sequence, message)
+        if arrival in {Arrival.FIRST, Arrival.RESTART}:
+            check_period(
+                f'{self.strut} acceleration', message.sample_period, self.parameters.sample_rate
+            )
+        self._work()
+
+    def _work(self) -> None:
+        """Take every sample that has all it needs."""
+        if self.plan is not None or not self.parameters.lockstep:
+            for sample, voltage in self.pairing.pairs():
+                self._identify(sample, voltage)
+
+    def _identify(self, sample: StrutAcceleration, voltage: float) -> None:
+        k, p = sample.sequence, self.parameters
+        phase = Phase.STANDBY if self.plan is None else self.plan.at(k)
+        found = self.core.step(k, phase, np.asarray(sample.upper), np.asarray(voltage))
+        handed = self.plan is not None and self.plan.handoff(k + 1, p.model_period)
+        if phase in self.phases or handed:
+            self._publish(sample, found)
+
+    def _publish(self, sample: StrutAcceleration, found: Identification) -> None:
+        m = self.message
+        m.header = sample.header
+        m.sequence = sample.sequence
+        m.a, m.b = doubles(found.a), doubles(found.b)
+        m.standard_deviation = doubles(found.standard_deviation)
+        m.covariance = doubles(found.covariance)
+        m.prediction_error = float(found.prediction_error)
+        m.noise_variance = float(found.noise_variance)
+        m.bias = float(found.bias)
+        m.updates = int(found.updates)
+        m.excitation_order = int(found.excitation_order)
+        m.information_eigenvalue = float(found.information_eigenvalue)
+        m.information_condition = float(found.information_condition)
+        m.whiteness = float(found.whiteness)
+        m.pole_modulus = float(found.pole_modulus)
+        m.converged = bool(found.converged)
+        m.reason = found.reason
+        self.publisher.publish(m)
+
+
+def main() -> None:
+    """Run the node."""
+    run_node(StrutIdentifierNode)
+
+
+if __name__ == '__main__':
+    main()

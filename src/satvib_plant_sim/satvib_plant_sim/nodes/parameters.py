@@ -1,0 +1,88 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of the plant_sim node."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from satvib_common.errors import SatvibError
+from satvib_common.schema import Schema, param, parse_yaml
+
+from satvib_plant_sim.disturbance import Disturbance, make_disturbance
+from satvib_plant_sim.plant.failing_plant import FailingPlant, make_failing_plant
+from satvib_plant_sim.plant.failures import Failure
+from satvib_plant_sim.rig.any_rig import AnyPlant, AnyRig, load_any_rig
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantParameters(Schema):
+    """Which rig moves, what shakes it, and who keeps the time."""
+
+    rig: str = param('paper_3dof', 'name of a rig, or the path of its file', read_only=True)
+    rig_overrides: tuple[str, ...] = param(
+        (), "changes to the rig, each 'key=value' as in 'payload.mass=12'", read_only=True
+    )
+    disturbance: str = param(
+        'kind: none', "the disturbance as YAML, as in '{kind: sine, amplitude: 1, frequency: 10}'",
+        read_only=True,
+    )  # fmt: skip
+    failures: str = param(
+        '[]',
+        "what goes wrong as YAML, as in '[{kind: sensor_lost, strut: 1, time: 5}]'",
+        read_only=True,
+    )
+    seed: int = param(1, 'seed of noise, bias and random disturbances', minimum=0, read_only=True)
+    lockstep: bool = param(
+        True, 'wait for every voltage of a sample before the next; false: real time', read_only=True
+    )
+    lockstep_timeout: float = param(
+        10.0, 'longest wait for a voltage in lockstep', unit='s', above=0.0
+    )
+    command_timeout: float = param(
+        0.05,
+        'real time: without a voltage for this long, ramp to 0 V and latch',
+        unit='s',
+        above=0.0,
+    )
+    wait_for_schedule: bool = param(
+        True, 'begin with sample 0 when the schedule is there', read_only=True
+    )
+
+    def check(self) -> None:
+        """Refuse overrides without a key and a disturbance that is not one."""
+        self.override_mapping()
+        self.make_disturbance()
+        self.make_failures()
+
+    def override_mapping(self) -> dict[str, Any]:
+        """Give the overrides as `load_rig` takes them; an empty string is nothing."""
+        found = {}
+        for text in self.rig_overrides:
+            key, equals, value = text.partition('=')
+            if not text.strip():
+                continue
+            if not equals or not key.strip():
+                raise SatvibError(f"rig_overrides: {text!r} is not 'key=value'")
+            found[key.strip()] = parse_yaml(value, f'rig_overrides: {key.strip()}')
+        return found
+
+    def load_rig(self) -> AnyRig:
+        """Load the rig with its overrides."""
+        return load_any_rig(self.rig, self.override_mapping())
+
+    def make_disturbance(self) -> Disturbance:
+        """Build the disturbance."""
+        return make_disturbance(parse_yaml(self.disturbance, 'disturbance'))
+
+    def make_failures(self) -> tuple[Failure, ...]:
+        """Give what goes wrong."""
+        data = parse_yaml(self.failures, 'failures') or []
+        if not isinstance(data, list):
+            raise SatvibError(f'failures: a list is expected, not {self.failures!r}')
+        return tuple(Failure.from_mapping(d, f'failures[{i}]') for i, d in enumerate(data))
+
+    def make_plant(self) -> AnyPlant | FailingPlant:
+        """Build the plant with what goes wrong in it."""
+        return make_failing_plant(
+            self.load_rig(), self.make_disturbance(), self.seed, self.make_failures()
+        )

@@ -1,0 +1,197 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node `plant_sim`: carries messages to and from a plant, and is the clock of the graph.
+
+Lockstep: sample k of every strut is published; when every strut's voltage with `sequence` k is there, the plant
+advances. Stamps are k periods from 0. Real time: samples are due at absolute instants of the steady clock; one that is
+overdue is made up for at once, so that the count follows the time. The voltages' arrivals are measured.
+"""
+
+import math
+import time
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.qos import qos_profile_sensor_data
+from rosgraph_msgs.msg import Clock
+from satvib_common.errors import RunError, SatvibError
+from satvib_common.ros.convert import check_period, plan_of, sample_stamp, set_stamp
+from satvib_common.ros.main import run_node
+from satvib_common.ros.node import SatvibNode
+from satvib_common.ros.qos import wanted
+
+from satvib_msgs.msg import Schedule, StrutAcceleration, StrutTruth, VcaVoltage
+from satvib_plant_sim.nodes.lockstep_answers import Answers
+from satvib_plant_sim.nodes.parameters import PlantParameters
+from satvib_plant_sim.nodes.plant_messages import StrutMessages
+from satvib_plant_sim.nodes.realtime_commands import Commands
+
+_CLOCK_PERIOD = 0.01  # s of wall time between two messages on /clock
+_HEAD_START = 0.2  # s from the schedule to sample 0 in real time, for the last readers to be found
+
+
+class PlantSimNode(SatvibNode[PlantParameters]):
+    """Simulates the isolator."""
+
+    def __init__(self) -> None:
+        super().__init__('plant_sim', PlantParameters)
+
+    def make(self) -> None:
+        """Build the plant and a set of publishers per strut."""
+        p = self.parameters
+        self.plant = plant = p.make_plant()
+        self.names = [f'strut_{i + 1}' for i in range(plant.struts)]
+        self.messages = [
+            StrutMessages(i, name, StrutAcceleration(), StrutTruth(), plant)
+            for i, name in enumerate(self.names)
+        ]
+        self.samples_out = [
+            self.publish_on(StrutAcceleration, f'{name}/acceleration') for name in self.names
+        ]
+        self.truth_out = [self.publish_on(StrutTruth, f'{name}/truth') for name in self.names]
+        self.clock_out = self.create_publisher(Clock, '/clock', qos_profile_sensor_data)
+        self.clock, self.clock_at = Clock(), 0.0
+        self.answers = Answers(self.names)
+        self.commands = Commands(plant.struts, p.command_timeout, plant.dt)
+        self.k = -1  # the sample that is out
+        self.end_at = 0
+        self.zero: float | None = None  # s of the steady clock: sample 0 in real time
+        self.stamp_of_start = 0
+        self.overdue = 0
+        self.published_at = 0.0
+        self.every(0.1, self._watch)
+
+    def discard(self) -> None:
+        """Let go of the clock."""
+        self.destroy_publisher(self.clock_out)
+
+    def begin(self) -> None:
+        """Listen; begin with the schedule, or at once."""
+        whole = wanted(whole=self.parameters.lockstep)
+        self.listen_to(Schedule, 'schedule', self._on_schedule, wanted(whole=True))
+        for i, name in enumerate(self.names):
+            self.listen_to(VcaVoltage, f'{name}/voltage', partial(self._on_voltage, i), whole)
+        if not self.parameters.wait_for_schedule:
+            self._set_off()
+
+    def stop(self) -> str:
+        """Latch 0 V at every strut."""
+        self.commands.latch()
+        return 'every strut goes to 0 V and stays there until reset'
+
+    def reset(self) -> str:
+        """Release the faults."""
+        self.commands.reset()
+        return 'faults are released'
+
+    def diagnose(self) -> tuple[str, dict[str, object]]:
+        """Give the counts."""
+        at_fault = [n for n, f in zip(self.names, self.commands.fault, strict=True) if f]
+        complaint = f'0 V latched at {", ".join(at_fault)}' if at_fault else ''
+        complaint = complaint if self.k >= 0 else 'waiting for the schedule'
+        late = {'late voltages': self.commands.late, 'late samples': self.overdue}
+        return complaint, {'sequence': self.k, **late}
+
+    def tick(self) -> float:
+        """In real time do every sample that is due; gives the time to the next, in s."""
+        if self.zero is None:
+            return 0.1
+        while not self.ended:
+            due = self.zero + (self.k + 1) * self.plant.dt
+            left = due - time.monotonic()
+            if left > 0.0:
+                return left
+            self.overdue += -left > self.plant.dt
+            if self.k < 0:
+                self._publish_sample()
+            else:
+                self._advance(*self.commands.period_over(due))
+        return 0.0
+
+    def _on_schedule(self, message: Schedule) -> None:
+        check_period('schedule', message.sample_period, 1.0 / self.plant.dt)
+        if list(message.struts) != self.names:
+            raise SatvibError(
+                f'schedule: its struts are {", ".join(message.struts)}, those of the rig '
+                f'{", ".join(self.names)}'
+            )
+        self.end_at = plan_of(message).end
+        self._set_off()
+
+    def _set_off(self) -> None:
+        if self.k >= 0 or self.zero is not None:
+            return
+        if self.parameters.lockstep:
+            self._publish_sample()
+        else:
+            self.zero = time.monotonic() + _HEAD_START
+            self.stamp_of_start = time.time_ns() + int(_HEAD_START * 1e9)
+
+    def _on_voltage(self, i: int, message: VcaVoltage) -> None:
+        k, sequence, voltage = self.k, message.sequence, message.voltage
+        if k < 0:
+            return  # of a run before
+        if self.zero is None:
+            if self.answers.take(i, sequence, voltage, k):
+                self._advance(np.where(self.commands.fault, 0.0, self.answers.voltage), None)
+            return
+        now = time.monotonic()
+        if not math.isfinite(voltage):
+            self.get_logger().error(
+                f'{self.names[i]}: the voltage of sample {sequence} is {voltage}; 0 V until reset',
+                throttle_duration_sec=1.0,
+            )
+        since = max(now - self.zero - k * self.plant.dt, 0.0)
+        self.commands.take(i, voltage, now, since, late=sequence < k)
+
+    def _advance(self, voltage: NDArray[np.float64], arrival: NDArray[np.float64] | None) -> None:
+        """End the period of sample k; the next sample goes out first, for somebody waits for it."""
+        k = self.k
+        truth = self.plant.advance(voltage, arrival)
+        over = 0 < self.end_at <= k + 1
+        if not over:
+            self._publish_sample()
+        stamp = self._stamp(k)
+        for strut, publisher in zip(self.messages, self.truth_out, strict=True):
+            publisher.publish(strut.happened(truth, k, stamp))
+        if over:
+            self.finish(
+                f'{k + 1} samples of {len(self.names)} struts, {(k + 1) * self.plant.dt:g} s; '
+                f'late: {self.commands.late} voltages, {self.overdue} samples'
+            )
+
+    def _publish_sample(self) -> None:
+        sample = self.plant.sample()
+        self.k = sample.sequence
+        stamp = self._stamp(self.k)
+        for strut, publisher in zip(self.messages, self.samples_out, strict=True):
+            publisher.publish(strut.sampled(sample, stamp))
+        self.published_at = now = time.monotonic()
+        if now - self.clock_at >= _CLOCK_PERIOD:
+            self.clock_at = now
+            set_stamp(self.clock.clock, stamp)
+            self.clock_out.publish(self.clock)
+
+    def _stamp(self, k: int) -> int:
+        return self.stamp_of_start + sample_stamp(k, self.plant.dt)
+
+    def _watch(self) -> None:
+        """In lockstep nobody may keep the others waiting for ever."""
+        if not self.active or self.zero is not None or self.k < 0:
+            return
+        limit = self.parameters.lockstep_timeout
+        if time.monotonic() - self.published_at > limit:
+            raise RunError(
+                f'no voltage for sample {self.k} from {", ".join(self.answers.missing(self.k))} '
+                f'within {limit:g} s; is the controller there, and its identifier?'
+            )
+
+
+def main() -> None:
+    """Run the node."""
+    run_node(PlantSimNode)
+
+
+if __name__ == '__main__':
+    main()

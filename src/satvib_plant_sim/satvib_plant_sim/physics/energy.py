@@ -1,0 +1,40 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The energy stored in a rig: what may only fall while nothing drives it.
+
+    E = w'^T H^-1 w' / 2 + m_l z'^2 / 2 + sum_i (K_i s_i^2 + k_c p_i^2 + L i_i^2) / 2 + k_s z^2 / 2
+
+in coordinates relative to the source, w_i' = s_i' + z', p the penetration of the stops. The coils' energy counts under
+voltage drive; under current drive the amplifier is a source, and E falls when its current has died out. A lost
+actuator (force constant 0) has a coil without a part in the motion.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from satvib_plant_sim.physics.mechanics import mechanics
+from satvib_plant_sim.rig.rig import Rig
+
+Array = NDArray[np.float64]
+
+
+def stored_energy(rigs: Sequence[Rig], state: Array) -> Array:
+    """Give the energy (trials,), J, of states (trials, at least 3n + 2)."""
+    energies = []
+    for rig, x in zip(rigs, state, strict=True):
+        n = rig.struts.count
+        m = mechanics(rig)
+        s, v, i = x[:n], x[n : 2 * n], x[2 * n : 3 * n]
+        z, vz = x[3 * n], x[3 * n + 1]
+        w = v + vz
+        p = np.maximum(np.abs(s) - rig.struts.stroke_limit, 0.0)
+        twice = w @ np.linalg.solve(m.H, w) + np.sum(m.K * s * s)
+        twice += rig.struts.stop_stiffness * np.sum(p * p)
+        if not rig.shaker.rigid:
+            twice += rig.shaker.mass * vz * vz + rig.shaker.stiffness * z * z
+        if rig.coil.drive == 'voltage':
+            twice += rig.coil.inductance * np.sum(i * i)
+        energies.append(0.5 * twice)
+    return np.array(energies)

@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The payload on its struts: stiffness, modes, and how a strut swings when it is let go.
+
+K_0 = S^T diag(K_i) S,   det(K_0 - (2 pi f)^2 M) = 0   (lower plate held)
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+from scipy.optimize import least_squares
+
+from satvib_plant_sim.physics.mechanics import mechanics
+from satvib_plant_sim.rig.rig import Rig
+
+Array = NDArray[np.float64]
+
+
+def static_stiffness(rig: Rig) -> Array:
+    """Give K_0 (dof, dof) in (w, alpha, beta): N/m, N, N m; the lower plate is held."""
+    m = mechanics(rig)
+    K: Array = (m.S.T * m.K) @ m.S
+    return K
+
+
+def modal_frequencies(rig: Rig) -> Array:
+    """Give the payload's undamped modes (dof,), Hz, ascending; the lower plate is held and the coils are open."""
+    m = mechanics(rig)
+    root = 1.0 / np.sqrt(np.diag(m.M))
+    values = np.linalg.eigvalsh(root[:, None] * static_stiffness(rig) * root[None, :])
+    return np.sqrt(values) / (2.0 * math.pi)
+
+
+def equilibrium(rig: Rig, stroke: Array) -> Array:
+    """Give the state (3n + 2) at rest with strokes (n), m: the lower plate gives way to the struts."""
+    n = rig.struts.count
+    m = mechanics(rig)
+    x = np.zeros(3 * n + 2)
+    x[:n] = stroke
+    if not rig.shaker.rigid:
+        x[3 * n] = np.sum(m.K * stroke) / rig.shaker.stiffness
+    return x
+
+
+def free_response(rig: Rig, duration: float = 0.15, heave: float = 1e-3) -> tuple[Array, Array]:
+    """Let the payload go from a heave, all coils at 0 V.
+
+    Args:
+        rig: the rig; stops and limits are left out.
+        duration: s.
+        heave: m, stroke of every strut before.
+
+    Returns:
+        Times (t,), s, every 0.25 ms, and the motions w_i (n, t), m, relative to the source.
+    """
+    n = rig.struts.count
+    h = 0.25e-3
+    E = expm(mechanics(rig).A * h)
+    x = equilibrium(rig, np.full(n, heave))
+    times = np.arange(round(duration / h), dtype=np.float64) * h
+    motion = np.empty((n, len(times)))
+    for j in range(len(times)):
+        motion[:, j] = x[:n] + x[3 * n]
+        x = E @ x
+    return times, motion
+
+
+def strut_modes(rig: Rig, duration: float = 0.15) -> tuple[Array, Array]:
+    """Fit w_i'' + 2 zeta wn w_i' + wn^2 w_i = 0, released at rest, to each strut's own free response.
+
+    Returns:
+        wn (n,), rad/s, and zeta (n,).
+    """
+    times, motion = free_response(rig, duration)
+    start = 2.0 * math.pi * float(np.mean(modal_frequencies(rig)))
+    found = []
+    for w in motion:
+        target = w / w[0]
+
+        def misfit(p: Array, target: Array = target) -> Array:
+            root = np.sqrt(complex(p[1] * p[1] - 1.0))
+            s1, s2 = p[0] * (-p[1] + root), p[0] * (-p[1] - root)
+            model = (s1 * np.exp(s2 * times) - s2 * np.exp(s1 * times)) / (s1 - s2)
+            return np.asarray(model.real - target)
+
+        found.append(least_squares(misfit, [start, 0.5], x_scale=[start, 1.0], xtol=1e-12).x)
+    fitted: Array = np.array(found)
+    wn, zeta = fitted.T
+    return wn, zeta

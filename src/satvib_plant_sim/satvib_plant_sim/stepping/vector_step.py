@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The linear fine step in vector instructions, written down because the compiler does not find them by itself.
+
+y = step^T x + chains, four rows at a time; each row is one chain of fused multiply-adds, fma(a, b, c) = a b + c rounded
+once (IEEE 754), in the order of `order`. A processor without fma computes the very same bits, slowly; so does
+`fine_step.any_step`, row by row.
+"""
+
+from typing import Any
+
+from llvmlite import ir
+from numba import njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from satvib_plant_sim.stepping.discretize import INPUTS, LANES
+
+# ruff: noqa: ANN001, ANN202 - generators of machine code have the types of their libraries
+
+_WIDTH = LANES
+
+
+@intrinsic
+def _fused(typing_context, a, b, c):  # type: ignore[no-untyped-def]  # noqa: ARG001
+    def generate(context, builder, signature, values):  # type: ignore[no-untyped-def]  # noqa: ARG001
+        return builder.fma(*values)
+
+    return types.float64(types.float64, types.float64, types.float64), generate
+
+
+@njit
+def fma(a, b, c):  # type: ignore[no-untyped-def]  # noqa: ANN201
+    """a b + c, rounded once."""  # noqa: D403
+    return _fused(a, b, c)
+
+
+def order(size: int) -> list[int]:
+    """Slots of x in the order in which they are added: what drives first, for it is known before the state is.
+
+    Args:
+        size: 3n + 2, states of mechanics and coils; four slots of inputs follow them.
+    """
+    return [*range(size, size + 4), *range(size)]
+
+
+def vector_step(n: int, stages: int) -> Any:
+    """Make the compiled function (step, chain, x, y) for n struts and sensor chains of some stages.
+
+    `step` is (16, 16 + 4 stages), `chain` (stages, stages), x and y (16 + 4 stages); all of them dense, y not x. Slots
+    of y between the states and the chains are filled with nothing of use.
+    """
+    size, rows = 3 * n + 2, INPUTS + LANES * stages
+
+    @intrinsic
+    def machine(typing_context, step, chain, x, y):  # type: ignore[no-untyped-def]  # noqa: ARG001
+        def generate(context, builder, signature, values):  # type: ignore[no-untyped-def]
+            pointers = [
+                context.make_array(kind)(context, builder, value).data
+                for kind, value in zip(signature.args, values, strict=True)
+            ]
+            _write(builder, pointers, size, stages, rows)
+            return context.get_dummy_value()
+
+        return types.void(step, chain, x, y), generate
+
+    @njit
+    def fixed(step, chain, x, y):  # type: ignore[no-untyped-def]
+        machine(step, chain, x, y)
+
+    return fixed
+
+
+def _write(builder: Any, pointers: list[Any], size: int, stages: int, rows: int) -> None:
+    """Write the instructions of one step."""
+    step, chain, x, y = pointers
+    vector = ir.VectorType(ir.DoubleType(), _WIDTH)
+    nothing = ir.Constant(vector, ir.Undefined)
+    first = ir.Constant(ir.VectorType(ir.IntType(32), _WIDTH), [0] * _WIDTH)
+    fused = cgutils.get_or_insert_function(
+        builder.module, ir.FunctionType(vector, [vector] * 3), f'llvm.fma.v{_WIDTH}f64'
+    )
+
+    def place(pointer: Any, index: int) -> Any:
+        return builder.gep(pointer, [ir.Constant(ir.IntType(64), index)])
+
+    def load(pointer: Any, index: int) -> Any:
+        return builder.load(builder.bitcast(place(pointer, index), vector.as_pointer()), align=8)
+
+    def spread(pointer: Any, index: int) -> Any:
+        value = builder.load(place(pointer, index))
+        one = builder.insert_element(nothing, value, ir.Constant(ir.IntType(32), 0))
+        return builder.shuffle_vector(one, nothing, first)
+
+    driving = {c: spread(x, c) for c in order(size)}
+    within = [[spread(chain, p * stages + q) for q in range(stages)] for p in range(stages)]
+    past = [load(x, INPUTS + LANES * q) for q in range(stages)]
+    results = []
+    chains = range(INPUTS, rows, _WIDTH)
+    for r in (*range(0, size, _WIDTH), *chains):
+        lead, *others = order(size)
+        total = builder.fmul(load(step, lead * rows + r), driving[lead])
+        for c in others:
+            total = builder.call(fused, [load(step, c * rows + r), driving[c], total])
+        if r in chains:
+            for q in range(stages):
+                total = builder.call(fused, [within[(r - INPUTS) // LANES][q], past[q], total])
+        results.append((r, total))
+    for r, total in results:
+        builder.store(total, builder.bitcast(place(y, r), vector.as_pointer()), align=8)

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The written-down machine code against the plain loop."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from satvib_plant_sim.rig.rig import load_rig
+from satvib_plant_sim.stepping.discretize import INPUTS, LANES, discretize
+from satvib_plant_sim.stepping.fine_step import any_step
+from satvib_plant_sim.stepping.vector_step import fma, order, vector_step
+
+
+@pytest.mark.parametrize('n', [1, 3])
+@pytest.mark.parametrize('stages', [2, 3, 5])
+def test_vector_step_has_the_bits_of_the_plain_loop(n, stages):
+    """Truth: `any_step`, the same sums written as a plain loop; equal in every bit, over 200 random steps."""
+    rng = np.random.default_rng([1, n, stages])
+    size, rows = 3 * n + 2, INPUTS + LANES * stages
+    step = rng.normal(size=(INPUTS, rows))
+    step[size + 4 :] = 0.0
+    chain = rng.normal(size=(stages, stages))
+    fast = vector_step(n, stages)
+    used = [*range(size), *range(INPUTS, rows)]
+    for _ in range(200):
+        x = rng.normal(size=rows) * 10.0 ** rng.integers(-8, 8, rows)
+        y, plain = np.zeros(rows), np.zeros(rows)
+        fast(step, chain, x, y)
+        any_step(step, chain, x, plain, size)
+        assert y[used].tobytes() == plain[used].tobytes()
+
+
+def test_the_plain_loop_is_the_matrix_product():
+    """Truth: numpy's product of a rig's own arrays, summed with math.fsum; 1e-13 of the largest term."""
+    design = discretize(load_rig('paper_3dof'))
+    rng = np.random.default_rng(2)
+    stages, size = len(design.chain), 11
+    x = rng.normal(size=INPUTS + LANES * stages)
+    x[size + 4] = 0.0
+    step = design.step.copy()
+    step[size : size + 2] = rng.normal(size=(2, step.shape[1]))
+    y = np.zeros_like(x)
+    any_step(step, design.chain, x, y, size)
+    for r in (*range(size), *range(INPUTS, len(x))):
+        terms = [step[c, r] * x[c] for c in order(size)]
+        if r >= INPUTS:
+            p, lane = divmod(r - INPUTS, LANES)
+            terms += [design.chain[p, q] * x[INPUTS + LANES * q + lane] for q in range(stages)]
+        assert abs(y[r] - math.fsum(terms)) <= 1e-13 * max(map(abs, terms))
+
+
+def test_fma_rounds_once():
+    """Truth: exact rational arithmetic, rounded once by float(); equal in every bit where two roundings differ."""
+    rng = np.random.default_rng(3)
+    a, b = rng.normal(size=300), rng.normal(size=300)
+    c = -a * b  # what is left is the rounding error of the product alone
+    exact = [
+        float(Fraction(x) * Fraction(y) + Fraction(z)) for x, y, z in zip(a, b, c, strict=True)
+    ]
+    found = [fma(x, y, z) for x, y, z in zip(a, b, c, strict=True)]
+    assert found == exact
+    assert any(value != 0.0 for value in found)

@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is compared: schemes and cases, as scenarios.
+
+Seed i of every case and scheme has the same rig, drawn within the tolerances of its parts, and the same noise:
+stiffness +-5 % and force constant +-10 % of each strut, damping +-30 %.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from satvib_common.errors import SatvibError
+from satvib_common.schema import Schema, load_yaml, param
+from satvib_common.settings_text import apply_overrides
+from satvib_experiment.scenario.scenario import Scenario, check_scenario
+from satvib_plant_sim.plant.failures import Failure
+from satvib_plant_sim.rig.rig import Rig
+
+from satvib_studies.sweep.sweep import merged
+
+FILE = Path(__file__).parent / 'comparison.yaml'
+STREAM = 73
+OPEN = 'open'  # what all schemes are measured against: 0 V
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scheme(Schema):
+    """One way to control."""
+
+    title: str = param(description='in words')
+    keys: dict[str, Any] = param(dict, 'keys of a scenario')
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case(Schema):
+    """One thing that can happen."""
+
+    title: str = param(description='in words')
+    keys: dict[str, Any] = param(dict, 'keys of a scenario')
+    failures: tuple[Any, ...] = param((), 'what goes wrong at the event, without a time')
+    centralized_failures: tuple[Any, ...] = param((), 'the same for the centralized scheme')
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison(Schema):
+    """Schemes in cases."""
+
+    name: str = param('schemes', 'name')
+    base: dict[str, Any] = param(description='keys of a scenario that all share')
+    event: float = param(description='when the failures happen', unit='s', minimum=0.0)
+    windows: dict[str, Any] = param(description='by name: start and end, s')
+    seeds: int = param(8, 'rigs and noises', minimum=1, maximum=1000)
+    seed: int = param(1, 'the first seed', minimum=0)
+    schemes: dict[str, Any] = param(description='by name: see Scheme')
+    cases: dict[str, Any] = param(description='by name: see Case')
+
+    def check(self) -> None:
+        """Check schemes, cases and windows."""
+        self.scheme_list()
+        self.case_list()
+        for name, window in self.windows.items():
+            if not (
+                isinstance(window, list | tuple) and len(window) == 2 and window[0] < window[1]
+            ):
+                raise SatvibError(f'windows.{name}: a start and a later end are expected')
+
+    def scheme_list(self) -> dict[str, Scheme]:
+        """Give the schemes by name."""
+        return {k: Scheme.from_mapping(v, f'schemes.{k}') for k, v in self.schemes.items()}
+
+    def case_list(self) -> dict[str, Case]:
+        """Give the cases by name."""
+        return {k: Case.from_mapping(v, f'cases.{k}') for k, v in self.cases.items()}
+
+    def scenario(self, scheme: str, case: str, seed: int) -> Scenario:
+        """Give the scenario of a scheme in a case; `scheme` may be 'open'.
+
+        Raises:
+            SatvibError: it is none.
+        """
+        there = self.case_list()[case]
+        data = merged({'name': f'{scheme}-{case}', **self.base}, there.keys)
+        if 'disturbance' in there.keys:
+            data['disturbance'] = there.keys['disturbance']  # another one, not a change of the old
+        if scheme != OPEN:
+            data = merged(data, self.scheme_list()[scheme].keys)
+        central = data.get('scheme') == 'centralized'
+        listed = there.centralized_failures if central else ()
+        failures = [
+            Failure.from_mapping({**f, 'time': self.event}, f'cases.{case}: failures[{i}]')
+            for i, f in enumerate(listed or there.failures)
+        ]
+        data |= {'seed': seed, 'failures': [f.to_mapping() for f in failures]}
+        where = f'comparison {self.name}: {scheme}, {case}'
+        scenario = Scenario.from_mapping(data, where)
+        check_scenario(scenario, where)
+        return scenario
+
+
+def drawn_rig(rig: Rig, seed: int) -> Rig:
+    """Give the rig that a seed has, within the tolerances of its parts."""
+    draw = np.random.default_rng([seed, STREAM])
+    stiff, force = draw.uniform(-0.05, 0.05, 3), draw.uniform(-0.1, 0.1, 3)
+    damping = rig.struts.damping * (1.0 + 0.3 * draw.uniform(-1.0, 1.0))
+
+    def scaled(scale: Sequence[float], part: Any) -> tuple[float, ...]:
+        return tuple(float(s * (1.0 + p)) for s, p in zip(scale, part, strict=False))
+
+    return rig.replace(
+        struts=rig.struts.replace(
+            stiffness_scale=scaled(rig.struts.stiffness_scale, stiff), damping=float(damping)
+        ),
+        coil=rig.coil.replace(force_scale=scaled(rig.coil.force_scale, force)),
+    )
+
+
+def replayable(comparison: Comparison, scheme: str, case: str, seed: int) -> Scenario:
+    """Give a cell as a scenario that holds its drawn rig, to be run or simulated by itself, live too."""
+    scenario = comparison.scenario(scheme, case, seed)
+    rig = scenario.load_rig()
+    if not isinstance(rig, Rig):
+        raise SatvibError(f'comparison {comparison.name}: {rig.name} has no struts to draw')
+    drawn = drawn_rig(rig, seed)
+    changes = {
+        'struts.stiffness_scale': list(drawn.struts.stiffness_scale),
+        'struts.damping': drawn.struts.damping,
+        'coil.force_scale': list(drawn.coil.force_scale),
+    }
+    return scenario.replace(rig_overrides={**scenario.rig_overrides, **changes})
+
+
+def load_comparison(path: Path | None = None, overrides: Sequence[str] = ()) -> Comparison:
+    """Load the comparison of the package, or one of a file.
+
+    Raises:
+        SatvibError: a wrong key, or a cell that is no scenario.
+    """
+    file = path or FILE
+    data = load_yaml(file)
+    if not isinstance(data, dict):
+        raise SatvibError(f'{file}: a mapping of keys is expected')
+    apply_overrides(data, overrides)
+    loaded = Comparison.from_mapping(data, str(file))
+    for scheme in loaded.schemes:
+        for case in loaded.cases:
+            loaded.scenario(scheme, case, loaded.seed)
+    return loaded

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The runs of a comparison: one batch of the offline twin per scheme, all cases and seeds at once, judged in truth.
+
+Level: RMS of the payload's modes (w and the tilts at the struts' circle) together, from the fine grid. Attenuation:
+against the same rig, seed and case at 0 V, in the same window.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from satvib_common.errors import SatvibError
+from satvib_control.laws.centralized.geometry import mode_matrix
+from satvib_experiment.scenario.centralized_scheme import strut_angles
+from satvib_experiment.twin.closed_loop import ClosedLoop
+from satvib_plant_sim.rig.rig import Rig
+
+from satvib_studies.comparison.cases import OPEN, Comparison, drawn_rig
+
+Array = NDArray[np.float64]
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a comparison.
+
+    Attributes:
+        comparison: what was compared.
+        dt: s.
+        level: by scheme and 'open': (cases, seeds, samples) mean square of all modes in each period, (m/s^2)^2.
+        tilt: likewise, of the tilts alone.
+        voltage: by scheme: (cases, seeds) largest voltage, V.
+    """
+
+    comparison: Comparison
+    dt: float
+    level: dict[str, Array]
+    tilt: dict[str, Array]
+    voltage: dict[str, Array]
+
+    def window(self, name: str) -> slice:
+        """Samples of a window."""
+        start, stop = self.comparison.windows[name]
+        return slice(round(start / self.dt), round(stop / self.dt))
+
+    def attenuation(self, scheme: str, case: str, window: str) -> Array:
+        """Give it in dB, seed by seed (seeds,)."""
+        i, w = list(self.comparison.cases).index(case), self.window(window)
+        mine, open_ = (self.level[s][i, :, w].mean(axis=-1) for s in (scheme, OPEN))
+        return np.asarray(10.0 * np.log10(mine / open_))
+
+    def tilt_rms(self, scheme: str, case: str, window: str) -> Array:
+        """Give the RMS of the tilts (seeds,), m/s^2 at the struts' circle; `scheme` may be 'open'."""
+        i, w = list(self.comparison.cases).index(case), self.window(window)
+        return np.asarray(np.sqrt(self.tilt[scheme][i, :, w].mean(axis=-1)))
+
+
+def run_comparison(comparison: Comparison, progress: Progress | None = None) -> Outcome:
+    """Run every scheme in every case with every seed.
+
+    Args:
+        comparison: what to run.
+        progress: called with scheme, sample and samples.
+
+    Raises:
+        SatvibError: a rig without a geometry.
+    """
+    level: dict[str, Array] = {}
+    tilt: dict[str, Array] = {}
+    voltage: dict[str, Array] = {}
+    shape = (len(comparison.cases), comparison.seeds)
+    dt = math.nan
+    for scheme in (OPEN, *comparison.schemes):
+        scenarios = [
+            comparison.scenario(scheme, case, comparison.seed + i)
+            for case in comparison.cases
+            for i in range(comparison.seeds)
+        ]
+        rigs: list[Any] = []
+        for scenario in scenarios:
+            rig = scenario.load_rig()
+            angles = strut_angles(rig, f'comparison {comparison.name}')
+            if not isinstance(rig, Rig) or len(angles) != 3:
+                raise SatvibError(f'comparison {comparison.name}: {rig.name} has no three struts')
+            rigs.append(drawn_rig(rig, scenario.seed))
+        loop = ClosedLoop(scenarios, rigs)
+        dt, mode = loop.plant.dt, mode_matrix(angles)
+        squares = np.zeros((2, len(scenarios), loop.plan.end))
+        largest = np.zeros(len(scenarios))
+        for step in loop.steps():
+            q = np.einsum('mi,tif->tmf', mode, step.truth.upper)
+            power = np.mean(q * q, axis=2)
+            squares[:, :, step.sequence] = power.sum(axis=1), power[:, 1:].sum(axis=1)
+            largest = np.maximum(largest, np.max(np.abs(step.output.voltage), axis=1))
+            if progress is not None and step.sequence % 100 == 0:
+                progress(scheme, step.sequence, loop.plan.end)
+        level[scheme] = squares[0].reshape(*shape, -1)
+        tilt[scheme] = squares[1].reshape(*shape, -1)
+        voltage[scheme] = largest.reshape(shape)
+    return Outcome(comparison, dt, level, tilt, voltage)

@@ -1,0 +1,137 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The robust cost of gains of the centralized law, for a whole swarm on all plants in one call.
+
+For each plant, with r the RMS of the payload's modes together and t that of the line of sight's tilt, both over their
+values on the rig as it is at 0 V, v the largest RMS of a voltage over its limit, and m the modulus margin:
+
+    J = r + tilt t + effort v^2 + penalty max(1 - m / margin, 0)^2
+
+Where the loop is not stable, J = 1000 (1 + s), s the mean of the gains' magnitudes as shares of the box: it falls
+towards no gains, where every loop is stable, so that a search that begins among unstable ones finds its way.
+
+The cost of the gains is the mean of J over the plants and of its largest, half each: good in general, and nowhere bad.
+`loop_cost` has the equations of r, t, v and m.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from satvib_common.errors import SatvibError
+from satvib_common.schema import Schema, param
+from satvib_common.signals.integrator import leaky_integrator
+from satvib_control.laws.centralized.geometry import mode_matrix, strut_matrix
+from satvib_plant_sim.disturbance import Disturbance
+from satvib_plant_sim.responses.all_struts import rig_response
+from satvib_plant_sim.rig.any_rig import noise_floor_of
+from satvib_plant_sim.rig.rig import Rig
+
+from satvib_studies.tuning.loop_cost import MARGIN, RESULTS, TILT, TURNS, VOLTS, W, loop_figures
+from satvib_studies.tuning.plants import gain_box, perturbed, spectrum_of
+
+Array = NDArray[np.float64]
+
+UNSTABLE = 1000.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class CostSettings(Schema):
+    """What counts, and how much."""
+
+    plants: int = param(8, 'plants, the first the rig as it is', minimum=1, maximum=1000)
+    seed: int = param(1, 'seed of the plants and of a random disturbance', minimum=0)
+    duration: float = param(8.0, 'of the disturbance that is looked at', unit='s', above=0.0)
+    tilt: float = param(0.2, "weight of the line of sight's tilt", minimum=0.0)
+    effort: float = param(0.1, 'weight of the voltage', minimum=0.0)
+    penalty: float = param(5.0, 'weight of a margin that is missing', minimum=0.0)
+    margin: float = param(0.5, 'modulus margin that is wanted', above=0.0, below=1.0)
+    corner: float = param(0.5, 'corner of the drift-free integrators', unit='Hz', above=0.0)
+    voltage_limit: float = param(20.0, 'largest voltage', unit='V', above=0.0)
+
+
+class TuningCost:
+    """The cost of gains on a rig under a disturbance.
+
+    Args:
+        rig: as it is.
+        disturbance: what shakes it.
+        settings: see `CostSettings`.
+
+    Attributes:
+        lower, upper: (9,) or (3,) the box: P of every mode, then I, then D.
+        size: how many gains.
+
+    Raises:
+        SatvibError: a disturbance that leaves the payload at rest.
+    """
+
+    def __init__(
+        self, rig: Rig, disturbance: Disturbance, settings: CostSettings | None = None
+    ) -> None:
+        self.rig, self.settings = rig, settings or CostSettings()
+        p, n = self.settings, rig.struts.count
+        self.plants = perturbed(rig, p.plants, p.seed)
+        spectrum = spectrum_of(disturbance, rig, p.seed, p.duration)
+        self.frequency, self.power = spectrum.frequency, spectrum.power
+        half = 0.5 * rig.acquisition.sample_rate
+        self.noise = noise_floor_of(rig) ** 2 * spectrum.width / half
+        found = [rig_response(plant, self.frequency) for plant in self.plants]
+        self._responses = [
+            np.stack([getattr(r, name) for r in found])
+            for name in ('read_voltage', 'true_voltage', 'read_source', 'true_source')
+        ]
+        angles = [rig.struts.first_angle + 360.0 * i / n for i in range(n)]
+        self._strut, self._mode = strut_matrix(angles), mode_matrix(angles)
+        b, a = leaky_integrator(p.corner, rig.acquisition.period)
+        z = np.exp(-2j * math.pi * self.frequency * rig.acquisition.period)
+        self._integrator = np.polyval(b[::-1], z) / np.polyval(a[::-1], z)
+        low, high = gain_box(rig)
+        self.lower, self.upper = low.ravel(), high.ravel()
+        self.size = len(self.lower)
+        self.quiet = self.figures(np.zeros((1, self.size)))[0, 0]
+        if not self.level(self.quiet) > 0.0:
+            raise SatvibError(
+                'disturbance: leaves the payload at rest, there is nothing to tune on'
+            )
+
+    def figures(self, gains: Array) -> Array:
+        """Give the figures (particles, plants, 7) of gains (particles, size); see `loop_cost` for their places."""
+        n = self.rig.struts.count
+        each = np.asarray(gains, dtype=float).reshape(-1, 1, 3, n)
+        with np.errstate(all='ignore'):
+            found = loop_figures(
+                each, *self._responses, self.power, self.noise, 2.0 * math.pi * self.frequency,
+                self._integrator, self._strut, self._mode, np.zeros(RESULTS),
+            )  # fmt: skip
+        return np.asarray(found)
+
+    @staticmethod
+    def level(figures: Array) -> Array:
+        """RMS of all modes together, m/s^2, of figures (..., 7)."""
+        level: Array = np.sqrt(np.sum(figures[..., W:TILT] ** 2, axis=-1))
+        return level
+
+    def each(self, gains: Array) -> Array:
+        """Give J (particles, plants) of gains (particles, size)."""
+        p, f = self.settings, self.figures(gains)
+        tilt = f[..., TILT] / self.quiet[TILT] if self.quiet[TILT] > 0.0 else 0.0
+        short = np.maximum(1.0 - f[..., MARGIN] / p.margin, 0.0)
+        J = self.level(f) / self.level(self.quiet) + p.tilt * tilt
+        J = J + p.effort * (f[..., VOLTS] / p.voltage_limit) ** 2 + p.penalty * short**2
+        share = np.abs(np.asarray(gains, dtype=float)) / np.maximum(np.abs(self.lower), self.upper)
+        astray = UNSTABLE * (1.0 + np.mean(share, axis=-1))
+        return np.asarray(np.where(self.stable(f), J, astray[:, None]))
+
+    @staticmethod
+    def stable(figures: Array) -> NDArray[np.bool_]:
+        """Whether the loops of figures (..., 7) are stable."""
+        return np.asarray(np.abs(figures[..., TURNS]) < 0.5)
+
+    def __call__(self, gains: Array) -> Array:
+        """Give the cost (particles,) of gains (particles, size)."""
+        J = self.each(gains)
+        return np.asarray(0.5 * J.mean(axis=1) + 0.5 * J.max(axis=1))

@@ -1,0 +1,196 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What gains do to one linear plant, by frequency: levels, voltage, modulus margin and stability.
+
+With L = P C, S = (I + L)^-1, P from voltages to readings, C = T diag(c_m) T^-1 the modal law,
+c_m = G_d + G_p H + G_i H^2, and one disturbance d of power spectrum W:
+
+    u = -C S P_d d,    q = T^-1 (G_d d + G_u u),    RMS^2 = sum over frequencies of |.|^2 W
+
+Sensor noise n adds u = -C S n. The modulus margin is the least singular value of I + L over all frequencies. The
+open loop is stable, so the closed one is when the phase of det(I + L) comes back to where it began.
+
+One kernel, one item per set of gains and plant: a whole swarm on all plants is one call.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+from satvib_common.kernels.compile import kernel
+
+# places of the result
+W, ALPHA, BETA, TILT, VOLTS, MARGIN, TURNS = range(7)
+RESULTS = 7
+
+
+@njit
+def _invert(m: Any, out: Any) -> Any:
+    """Invert a small complex matrix by Gauss and Jordan with pivots; `m` is spent. Gives the determinant."""
+    n = m.shape[0]
+    det = 1.0 + 0.0j
+    for i in range(n):
+        for j in range(n):
+            out[i, j] = 1.0 if i == j else 0.0
+    for c in range(n):
+        best = c
+        for r in range(c + 1, n):
+            if abs(m[r, c]) > abs(m[best, c]):
+                best = r
+        if best != c:
+            det = -det
+            for j in range(n):
+                m[c, j], m[best, j] = m[best, j], m[c, j]
+                out[c, j], out[best, j] = out[best, j], out[c, j]
+        pivot = m[c, c]
+        det *= pivot
+        if abs(pivot) == 0.0:
+            return det
+        for j in range(n):
+            m[c, j] /= pivot
+            out[c, j] /= pivot
+        for r in range(n):
+            if r != c:
+                factor = m[r, c]
+                for j in range(n):
+                    m[r, j] -= factor * m[c, j]
+                    out[r, j] -= factor * out[c, j]
+    return det
+
+
+@njit
+def _largest(s: Any) -> float:
+    """Largest singular value of a matrix of one or three rows, from the eigenvalues of s^H s in closed form."""
+    n = s.shape[0]
+    if n == 1:
+        return abs(s[0, 0])
+    d = np.zeros(3)
+    o = np.zeros(3, dtype=np.complex128)
+    for k in range(n):
+        for i in range(3):
+            d[i] += s[k, i].real ** 2 + s[k, i].imag ** 2
+        o[0] += s[k, 0].conjugate() * s[k, 1]
+        o[1] += s[k, 0].conjugate() * s[k, 2]
+        o[2] += s[k, 1].conjugate() * s[k, 2]
+    off = abs(o[0]) ** 2 + abs(o[1]) ** 2 + abs(o[2]) ** 2
+    mean = (d[0] + d[1] + d[2]) / 3.0
+    a, b, c = d[0] - mean, d[1] - mean, d[2] - mean
+    spread = math.sqrt((a * a + b * b + c * c + 2.0 * off) / 6.0)
+    if spread <= 1e-300:
+        return math.sqrt(mean)
+    det = a * b * c + 2.0 * (o[0] * o[2] * o[1].conjugate()).real
+    det -= a * abs(o[2]) ** 2 + b * abs(o[1]) ** 2 + c * abs(o[0]) ** 2
+    r = min(max(0.5 * det / spread**3, -1.0), 1.0)
+    return math.sqrt(mean + 2.0 * spread * math.cos(math.acos(r) / 3.0))
+
+
+@kernel(
+    'void(f8[:,:],c16[:,:,:],c16[:,:,:],c16[:,:,:],c16[:,:,:],f8[:,:],f8[:],f8[:],c16[:],f8[:,:],'
+    'f8[:,:],f8[:],f8[:])',
+    '(g,n),(f,n,n),(f,n,n),(f,n,e),(f,n,e),(f,e),(f),(f),(f),(n,n),(n,n),(r)->(r)',
+)
+def loop_figures(
+    gains: Any,
+    read_voltage: Any,
+    true_voltage: Any,
+    read_source: Any,
+    true_source: Any,
+    power: Any,
+    noise: Any,
+    omega: Any,
+    integrator: Any,
+    strut: Any,
+    mode: Any,
+    like: Any,
+    figures: Any,
+) -> None:
+    """Judge one set of gains on one plant.
+
+    Args:
+        gains: rows P, I, D by mode.
+        read_voltage, true_voltage, read_source, true_source: as `RigResponse` has them.
+        power: of each disturbance at each frequency, (m/s^2)^2 and N^2.
+        noise: of a sensor at each frequency, (m/s^2)^2.
+        omega: rad/s.
+        integrator: H.
+        strut: T.
+        mode: T^-1.
+        like: only its length counts, that of the result.
+        figures: RMS of w, alpha, beta in m/s^2 at the struts' circle, RMS of the line of sight's tilt in rad m (divide
+            by the circle's radius), largest RMS of a voltage in V, modulus margin, turns of the phase.
+    """
+    n, lines, inputs = strut.shape[0], omega.shape[0], power.shape[1]
+    for i in range(like.shape[0]):
+        figures[i] = 0.0
+    C = np.empty((n, n), dtype=np.complex128)
+    M = np.empty((n, n), dtype=np.complex128)
+    S = np.empty((n, n), dtype=np.complex128)
+    CS = np.empty((n, n), dtype=np.complex128)
+    u = np.empty(n, dtype=np.complex128)
+    a = np.empty(n, dtype=np.complex128)
+    volts = np.zeros(n)
+    margin, phase, before = 1e300, 0.0, 1.0 + 0.0j
+    for f in range(lines):
+        H = integrator[f]
+        for i in range(n):
+            for j in range(n):
+                C[i, j] = 0.0
+        for m in range(n):
+            c = gains[2, m] + gains[0, m] * H + gains[1, m] * H * H
+            for i in range(n):
+                for j in range(n):
+                    C[i, j] += strut[i, m] * c * mode[m, j]
+        for i in range(n):
+            for j in range(n):
+                total = 0.0j
+                for k in range(n):
+                    total += read_voltage[f, i, k] * C[k, j]
+                M[i, j] = total + (1.0 if i == j else 0.0)
+        det = _invert(M, S)
+        turned = det * before.conjugate()
+        phase += math.atan2(turned.imag, turned.real)
+        before = det
+        margin = min(margin, 1.0 / max(_largest(S), 1e-300))
+        loud = noise[f] > 0.0
+        for e in range(inputs):
+            loud = loud or power[f, e] > 0.0
+        if not loud:
+            continue
+        for i in range(n):
+            for j in range(n):
+                total = 0.0j
+                for k in range(n):
+                    total += C[i, k] * S[k, j]
+                CS[i, j] = -total
+        for e in range(inputs + n):
+            # the disturbances first, then the noise of each sensor
+            weight = power[f, e] if e < inputs else noise[f]
+            if weight == 0.0:
+                continue
+            for i in range(n):
+                u[i] = CS[i, e - inputs] if e >= inputs else 0.0
+                if e < inputs:
+                    for k in range(n):
+                        u[i] += CS[i, k] * read_source[f, k, e]
+                volts[i] += weight * (u[i].real ** 2 + u[i].imag ** 2)
+            for i in range(n):
+                a[i] = true_source[f, i, e] if e < inputs else 0.0
+                for k in range(n):
+                    a[i] += true_voltage[f, i, k] * u[k]
+            for m in range(n):
+                q = 0.0j
+                for i in range(n):
+                    q += mode[m, i] * a[i]
+                level = weight * (q.real**2 + q.imag**2)
+                figures[m] += level
+                if m > 0:
+                    figures[3] += level / omega[f] ** 4
+    for i in range(4):
+        figures[i] = math.sqrt(figures[i])
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, volts[i])
+    figures[4] = math.sqrt(largest)
+    figures[5] = margin
+    figures[6] = phase / math.pi

@@ -1,0 +1,197 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The search for the gains of the centralized law: settings, the search itself, the file of gains.
+
+    found = tune(load_rig('soft_3dof'), disturbance, TuneSettings())
+    write_gains(found, Path('gains.yaml'))
+
+*Untuned* is the law with the paper's gain, 550 V/(g s) = 56.1 V/(m/s), as P of every mode, and nothing else: what one
+sets without a search. It is a member of the first swarm, so the search cannot end worse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from satvib_common.errors import SatvibError
+from satvib_common.schema import Schema, load_yaml, param, parse_yaml
+from satvib_plant_sim.disturbance import Disturbance, make_disturbance
+from satvib_plant_sim.rig.rig import Rig
+
+from satvib_studies.tuning.cost import CostSettings, TuningCost
+from satvib_studies.tuning.loop_cost import MARGIN, VOLTS
+from satvib_studies.tuning.particle_swarm import ParticleSwarm, SwarmResult, SwarmSettings
+from satvib_studies.tuning.swarm_checkpoint import restore
+
+Array = NDArray[np.float64]
+
+UNTUNED = 550.0 / 9.80665
+NAMES = ('gains_p', 'gains_i', 'gains_d')
+
+
+@dataclass(frozen=True, kw_only=True)
+class TuneSettings(Schema):
+    """What a search can be told."""
+
+    cost: CostSettings = param(CostSettings(), 'what counts')
+    swarm: SwarmSettings = param(SwarmSettings(), 'how it is looked for')
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """What a search found.
+
+    Attributes:
+        rig, disturbance: what it was for; the disturbance as plain data.
+        settings: of the search.
+        cost: what was minimized.
+        result: of the swarm.
+        untuned: (size,) gains to compare with.
+    """
+
+    rig: Rig
+    disturbance: dict[str, Any]
+    settings: TuneSettings
+    cost: TuningCost
+    result: SwarmResult
+    untuned: Array
+
+    def attenuation(self, gains: Array) -> Array:
+        """RMS of all modes against 0 V, plant by plant (plants,), dB."""
+        still = self.cost.figures(np.zeros((1, self.cost.size)))[0]
+        moved = self.cost.figures(gains[None])[0]
+        found: Array = 20.0 * np.log10(self.cost.level(moved) / self.cost.level(still))
+        return found
+
+    def centralized(self, gains: Array | None = None) -> dict[str, Any]:
+        """Give gains, those that were found when none are named, as the `centralized` of a scenario."""
+        rows = (self.result.position if gains is None else gains).reshape(3, -1)
+        found: dict[str, Any] = {
+            name: [float(f'{v:.6g}') for v in row] for name, row in zip(NAMES, rows, strict=True)
+        }
+        return found | {'velocity_corner': self.settings.cost.corner}
+
+
+def read_disturbance(text: str) -> dict[str, Any]:
+    """Give a disturbance as plain data, from YAML in one line, from a YAML file, or of a scenario by name.
+
+    Raises:
+        SatvibError: none of these.
+    """
+    from satvib_experiment.scenario.scenario import load_scenario, scenario_names
+
+    if text in scenario_names():
+        return dict(load_scenario(text).disturbance)
+    data: Any
+    if text.endswith(('.yaml', '.yml')):
+        data = load_yaml(Path(text))
+        data = data.get('disturbance', data) if isinstance(data, dict) else data
+    else:
+        data = parse_yaml(text, '--disturbance')
+    if not isinstance(data, dict):
+        raise SatvibError(
+            f'--disturbance {text}: a scenario, a YAML file or YAML is expected, as in '
+            "'{kind: sine, frequency: 9, amplitude: 0.5}'"
+        )
+    return data
+
+
+@dataclass
+class Search:
+    """A search that is set up and can be run.
+
+    Args:
+        rig: a rig with a geometry.
+        disturbance: plain data.
+        settings: see `TuneSettings`.
+
+    Raises:
+        SatvibError: a rig of identified models, a wrong disturbance.
+    """
+
+    rig: Any
+    disturbance: dict[str, Any]
+    settings: TuneSettings = field(default_factory=TuneSettings)
+
+    def __post_init__(self) -> None:
+        """Set the cost up."""
+        if not isinstance(self.rig, Rig):
+            raise SatvibError(f'rig {self.rig.name}: identified models have no modes to control')
+        built: Disturbance = make_disturbance(self.disturbance, '--disturbance')
+        self.cost = TuningCost(self.rig, built, self.settings.cost)
+        n = self.rig.struts.count
+        untuned = np.zeros((3, n))
+        untuned[0] = UNTUNED
+        self.untuned = np.clip(untuned.ravel(), self.cost.lower, self.cost.upper)
+
+    def swarm(self) -> ParticleSwarm:
+        """Give the swarm as it begins."""
+        cost = self.cost
+        return ParticleSwarm(cost.lower, cost.upper, self.settings.swarm, start=self.untuned)
+
+    def check(self, checkpoint: Path) -> None:
+        """Refuse a checkpoint that this search cannot go on from; one that is not there is none."""
+        if checkpoint.exists():
+            restore(self.swarm(), checkpoint)
+
+    def run(
+        self,
+        progress: Callable[[ParticleSwarm], None] | None = None,
+        checkpoint: Path | None = None,
+    ) -> Tuned:
+        """Search; see `ParticleSwarm.run`."""
+        cost = self.cost
+        result = self.swarm().run(cost, progress, checkpoint)
+        return Tuned(self.rig, self.disturbance, self.settings, cost, result, self.untuned)
+
+
+def summary(found: Tuned) -> dict[str, dict[str, float]]:
+    """Give the figures of the gains found and of the untuned ones: cost, dB, V, margin."""
+    told = {}
+    for name, gains in (('tuned', found.result.position), ('untuned', found.untuned)):
+        figures, decibels = found.cost.figures(gains[None])[0], found.attenuation(gains)
+        told[name] = {
+            'cost': float(found.cost(gains[None])[0]),
+            'attenuation': float(decibels[0]),
+            'attenuation_worst_plant': float(decibels.max()),
+            'voltage': float(figures[0, VOLTS]),
+            'margin': float(figures[0, MARGIN]),
+            'margin_worst_plant': float(figures[:, MARGIN].min()),
+        }
+    return told
+
+
+def write_gains(found: Tuned, path: Path) -> None:
+    """Write what a scenario takes as `centralized: {file: ...}`, with where it comes from.
+
+    Raises:
+        SatvibError: the file is there already, or cannot be written.
+    """
+    history = found.result.history
+    gained = np.flatnonzero(np.diff(history[:, 1], prepend=np.inf) < 0.0)
+    data = {
+        'centralized': found.centralized(),
+        'tuned_for': {'rig': found.rig.name, 'disturbance': found.disturbance},
+        'figures': {
+            name: {k: float(f'{v:.5g}') for k, v in values.items()}
+            for name, values in summary(found).items()
+        },
+        'search': found.settings.to_mapping()
+        | {'evaluations': found.result.evaluations, 'ended': found.result.reason},
+        'cost_history': [[int(n), float(f'{c:.6g}')] for n, c in history[gained]],
+    }
+    text = yaml.safe_dump(data, sort_keys=False, width=100, default_flow_style=None)
+    head = '# Gains of the centralized law, written by `satvib tune`; attenuations in dB against 0 V.\n'
+    try:
+        with path.open('x', encoding='utf-8') as sink:
+            sink.write(head + text)
+    except FileExistsError:
+        raise SatvibError(f'{path}: exists already, not overwritten') from None
+    except OSError as error:
+        raise SatvibError(f'{path}: cannot be written: {error.strerror}') from None
