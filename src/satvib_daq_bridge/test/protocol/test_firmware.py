@@ -26,7 +26,7 @@ from satvib_daq_bridge.protocol.messages import (
 from satvib_daq_bridge.simulated.device import Device
 
 HERE = Path(__file__).parent
-SKETCH = HERE.parent / 'firmware' / 'satvib_device'
+SKETCH = HERE.parents[1] / 'firmware' / 'satvib_device'
 COMPILER = shutil.which('g++')
 FLAGS = ['-std=c++17', '-Wall', '-Wextra', '-Wshadow', '-Werror', f'-I{SKETCH}']
 needs_compiler = pytest.mark.skipif(not COMPILER, reason='g++ is missing: apt install g++')
