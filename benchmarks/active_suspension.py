@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from satvib_common.guard import VoltageGuard
 from satvib_common.phases import Phase
 from satvib_common.signals.iir_filter import IirFilter
-from satvib_control.laws.base import LawInput, make_law
+from satvib_control.laws.base import LawInput
+from satvib_control.laws.registry import make_law
 from satvib_control.parameters import ControllerParameters
 from satvib_ident.models.iir_model import IirModel
 from satvib_studies.sweep.tables import fill

@@ -21,8 +21,9 @@ mpl.use('Agg')
 import matplotlib.pyplot as plt
 import numpy as np
 from satvib_common.phases import Phase
-from satvib_control.laws.base import LawInput, make_law
+from satvib_control.laws.base import LawInput
 from satvib_control.laws.narrowband.margin import respond
+from satvib_control.laws.registry import make_law
 from satvib_control.model_analysis.transfer import model_polynomials
 from satvib_control.parameters import ControllerParameters
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares

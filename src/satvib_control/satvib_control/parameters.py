@@ -345,10 +345,9 @@ class ControllerParameters(LoopParameters):
 
     def check(self) -> None:
         """Check what no single field can tell."""
-        from satvib_control.laws.base import law_class
+        from satvib_control.laws.registry import law_classes
 
-        for part in self.law.split('+'):
-            law_class(part.strip())
+        law_classes(self.law)
         if self.excitation_amplitude > self.voltage_limit:
             raise SatvibError(
                 f'excitation_amplitude: {self.excitation_amplitude} V is more than voltage_limit, '

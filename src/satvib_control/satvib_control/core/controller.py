@@ -27,8 +27,9 @@ from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.core.divergence_watch import DivergenceWatch
 from satvib_control.core.output import ControllerOutput
-from satvib_control.laws.base import Array, LawInput, Mask, make_law
+from satvib_control.laws.base import Array, LawInput, Mask
 from satvib_control.laws.reasons import reason, reasons
+from satvib_control.laws.registry import make_law
 from satvib_control.laws.strut_excitation import StrutSignals
 from satvib_control.model_analysis.transfer import broadcast_model, model_polynomials, stable
 from satvib_control.parameters import ControllerParameters

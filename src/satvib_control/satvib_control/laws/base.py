@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a control law is, and how to get one by name.
+"""What a control law is. `laws.registry` makes one by its name.
 
 A law turns the samples of one strut into a wanted voltage. It has no clock, no ROS and no limits: `ControllerCore`
 removes the bias, the voltage guard limits, and the law is told what was really applied.
@@ -14,13 +14,11 @@ A law of your own is a class with this constructor and `step`, chosen by `law: m
 Everything has the leading axes `shape`. Per-sample arithmetic is elementwise or a `satvib_common.kernels.compile`.
 """
 
-import importlib
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
-from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 
 if TYPE_CHECKING:
@@ -30,15 +28,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-LAWS = {
-    'off': 'satvib_control.laws.off:Off',
-    'velocity_feedback': 'satvib_control.laws.velocity_feedback:VelocityFeedback',
-    'model_reference': 'satvib_control.laws.model_reference.law:ModelReference',
-    'narrowband': 'satvib_control.laws.narrowband.law:Narrowband',
-    'feedforward': 'satvib_control.laws.feedforward.law:Feedforward',
-    'centralized': 'satvib_control.laws.centralized.law:Centralized',
-}
 
 
 @dataclass(frozen=True)
@@ -114,13 +103,19 @@ class Law(Protocol):
 
     Attributes:
         needs_model: the law gives 0 V until it has an identified model.
-        cancels: in a sum, look at the plant without the feedback of the other parts (see `law_sum`).
+        cancels: in a sum, look at the plant without the feedback of the other parts (see `laws.sum`).
+        closes_loop: the voltage depends on the upper acceleration; in a sum, the law gets a share of the gain budget.
         state: what the law shows; renewed by every `step`.
     """
 
     needs_model: bool
     cancels: bool
+    closes_loop: bool
     state: LawState
+
+    def __init__(
+        self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
+    ) -> None: ...
 
     def step(self, x: LawInput, phase: Phase) -> Array:
         """Take a sample, of any phase, and give the wanted voltage (shape, V).
@@ -153,6 +148,7 @@ class BasicLaw:
 
     needs_model = False
     cancels = False
+    closes_loop = True
 
     def __init__(
         self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
@@ -169,41 +165,3 @@ class BasicLaw:
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Nothing to forget."""
-
-
-def law_class(name: str) -> type[Law]:
-    """Find the class of a law by its name or by module:Class.
-
-    Raises:
-        SatvibError: no such law.
-    """
-    path = LAWS.get(name, name)
-    module, colon, cls = path.partition(':')
-    if not colon:
-        raise SatvibError(
-            f'law: {name!r} is not one of {", ".join(LAWS)}; a law of your own is module:Class'
-        )
-    try:
-        found = getattr(importlib.import_module(module), cls)
-    except (ImportError, AttributeError) as error:
-        raise SatvibError(f'law: {name!r} cannot be loaded: {error}') from None
-    if not callable(getattr(found, 'step', None)):
-        raise SatvibError(f'law: {name!r} has no method step, see satvib_control.laws.base')
-    return found
-
-
-def make_law(
-    name: str, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
-) -> Law:
-    """Make a law, or a sum of them, by name; `dt` in s.
-
-    Raises:
-        SatvibError: no such law.
-    """
-    names = [part.strip() for part in name.split('+')]
-    if len(names) > 1:
-        from satvib_control.laws.sum import LawSum
-
-        return LawSum(names, parameters, dt, shape)
-    cls = law_class(name)
-    return cls(parameters, dt, shape)  # type: ignore[call-arg]

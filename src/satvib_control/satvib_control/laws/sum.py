@@ -25,7 +25,7 @@ from satvib_common.phases import Phase
 from satvib_common.signals.iir_filter import IirFilter
 from satvib_ident.models.iir_model import IirModel
 
-from satvib_control.laws.base import STATE_FIELDS, Array, BasicLaw, Law, LawInput, Mask, make_law
+from satvib_control.laws.base import STATE_FIELDS, Array, BasicLaw, Law, LawInput, Mask
 from satvib_control.model_analysis.transfer import model_polynomials
 from satvib_control.parameters import ControllerParameters
 
@@ -34,7 +34,7 @@ class LawSum(BasicLaw):
     """Several laws on one coil; see the module's page.
 
     Args:
-        names: names of the laws.
+        laws: classes of the laws.
         parameters: of the controller.
         dt: s.
         shape: leading axes.
@@ -42,17 +42,18 @@ class LawSum(BasicLaw):
 
     def __init__(
         self,
-        names: list[str],
+        laws: list[type[Law]],
         parameters: ControllerParameters,
         dt: float,
         shape: tuple[int, ...] = (),
     ) -> None:
         super().__init__(parameters, dt, shape)
-        loops = sum(1 for name in names if name != 'feedforward')
+        loops = sum(law.closes_loop for law in laws)
         self._budget = parameters.modulus_margin ** (1.0 / max(loops, 1))
-        self.parts: list[Law] = [make_law(n, self._shared(parameters), dt, shape) for n in names]
+        self.parts: list[Law] = [law(self._shared(parameters), dt, shape) for law in laws]
         self.needs_model = any(law.needs_model for law in self.parts)
         self.cancels = all(law.cancels for law in self.parts)
+        self.closes_loop = loops > 0
         self._demands = [np.zeros(shape) for _ in self.parts]
         self._model = IirFilter([0.0, 0.0], [1.0, 0.0], shape)
         self._known = np.zeros(shape, dtype=bool)

@@ -7,7 +7,8 @@ import pytest
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_control.core.controller import ControllerCore
-from satvib_control.laws.base import Array, BasicLaw, LawInput, make_law
+from satvib_control.laws.base import Array, BasicLaw, LawInput
+from satvib_control.laws.registry import make_law
 from satvib_control.laws.sum import LawSum
 from satvib_ident.excitation import make_excitation
 from satvib_ident.models.iir_model import IirModel

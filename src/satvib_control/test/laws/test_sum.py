@@ -6,7 +6,7 @@ from satvib_common.phases import Phase, PhasePlan
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_control.laws.base import BasicLaw
 from satvib_control.laws.reasons import reason, text_of
-from satvib_control.laws.sum import LawSum
+from satvib_control.laws.registry import make_law
 from satvib_control.model_analysis.gain_bounds import gain_bounds
 from satvib_control.model_analysis.transfer import model_polynomials
 from scipy.signal import lfilter
@@ -49,7 +49,7 @@ def summed(make_loop, settings, model, gain=150.0, cancel=True, **changes):
         **({'sample_rate': RATE, 'law': 'velocity_feedback', 'velocity_gain': gain} | changes)
     )
     loop = make_loop(p, model, PLAN)
-    law = LawSum(['velocity_feedback', 'off'], p, loop.core.dt)
+    law = make_law('velocity_feedback+off', p, loop.core.dt)
     if cancel:
         law.parts[1] = Canceller(p, loop.core.dt)
     loop.core.law = law
@@ -137,8 +137,8 @@ def test_feedback_and_tone_feedback_share_the_amplification(make_isolator, setti
     model = make_isolator(RATE)
     p = settings(sample_rate=RATE, law='velocity_feedback', velocity_gain=1e6)
     fb, fa = leaky_integrator(p.velocity_corner, model.dt)
-    for names, margin in ((['velocity_feedback', 'off'], 0.5**0.5), (['velocity_feedback'], 0.5)):
-        law = LawSum(names, p, model.dt)
+    for other, margin in (('off', 0.5**0.5), ('feedforward', 0.5)):
+        law = make_law(f'velocity_feedback+{other}', p, model.dt)
         law.set_model(model, np.array(True))
         assert law.parts[0].state.ki_max == gain_bounds(model, fb, fa, margin).maximum
 

@@ -68,6 +68,7 @@ class Feedforward(BasicLaw):
 
     needs_model = True
     cancels = True
+    closes_loop = False
 
     def __init__(
         self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from satvib_common.phases import Phase
 from satvib_common.signals.iir_filter import IirFilter
-from satvib_control.laws.base import LawInput, law_class, make_law
+from satvib_control.laws.base import LawInput
 from satvib_control.laws.feedforward.wiener import wiener_optimum
 from satvib_control.laws.reasons import text_of
+from satvib_control.laws.registry import law_class, make_law
 from satvib_ident.models.iir_model import IirModel
 from scipy.signal import lfilter
 

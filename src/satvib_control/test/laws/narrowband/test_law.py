@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
-from satvib_control.laws.base import LawInput, make_law
+from satvib_control.laws.base import LawInput
 from satvib_control.laws.reasons import text_of
+from satvib_control.laws.registry import make_law
 from satvib_ident.models.iir_model import IirModel
 
 NOISE = 0.098  # m/s^2: 10 mg, the paper's accelerometer

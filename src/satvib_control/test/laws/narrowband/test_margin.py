@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 import scipy.signal
 from satvib_common.phases import Phase
-from satvib_control.laws.base import LawInput, make_law
+from satvib_control.laws.base import LawInput
 from satvib_control.laws.narrowband import tracker as tt
 from satvib_control.laws.narrowband.margin import largest_sensitivity, margin_grid
 from satvib_control.laws.narrowband.model_correction import UNTAUGHT
+from satvib_control.laws.registry import make_law
 from satvib_control.model_analysis.transfer import model_polynomials, respond
 from satvib_ident.models.iir_model import IirModel
 

@@ -5,8 +5,9 @@
 import numpy as np
 import pytest
 from satvib_common.phases import Phase
-from satvib_control.laws.base import LawInput, make_law
+from satvib_control.laws.base import LawInput
 from satvib_control.laws.narrowband.search import AROUND, _levels, spectrum
+from satvib_control.laws.registry import make_law
 from satvib_ident.models.iir_model import IirModel
 
 
