@@ -19,7 +19,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.guard import VoltageGuard
 from satvib_common.phases import Phase
 from satvib_common.signals.iir_filter import IirFilter
@@ -33,7 +33,6 @@ from scipy.signal import lfilter
 sys.path.insert(0, str(Path(__file__).parent))
 import active_suspension_protocol as asp
 
-Array = NDArray[np.float64]
 SEED = 1
 SETTING = {
     'narrowband_low': 45.0,  # the benchmark's band is 50 to 95 Hz

@@ -20,6 +20,7 @@ import matplotlib as mpl
 mpl.use('Agg')
 import matplotlib.pyplot as plt
 import numpy as np
+from satvib_common.arrays import Array
 from satvib_common.phases import Phase
 from satvib_control.laws.base import LawInput
 from satvib_control.laws.narrowband.margin import respond
@@ -34,7 +35,6 @@ sys.path.insert(0, str(Path(__file__).parent))
 import active_suspension as bench
 import active_suspension_protocol as asp
 
-Array = bench.Array
 TRIALS, SECONDS, LATE = 24, 8.0, 6.0
 
 

@@ -14,10 +14,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Complex
 from scipy.signal import lfilter, welch
 
-Array = NDArray[np.float64]
 RATE = 800.0
 LIMIT = 0.7
 AMPLITUDE = 0.1
@@ -43,7 +42,7 @@ class Plant:
     primary_b: Array
     noise: Array
 
-    def response(self, frequency: Array) -> NDArray[np.complex128]:
+    def response(self, frequency: Array) -> Complex:
         """B/A at frequencies in Hz."""
         z = np.exp(-2j * np.pi * np.asarray(frequency) / RATE)
         return np.asarray(np.polyval(self.b[::-1], z) / np.polyval(self.a[::-1], z))

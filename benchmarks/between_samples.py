@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from model_phase import HEAD, ORDERS, RATES, Case, row
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_experiment.analysis.evaluation import fine
 from satvib_experiment.analysis.levels import decibel, rms, tone_level
 from satvib_experiment.scenario.scenario import load_scenario
@@ -22,7 +22,6 @@ from satvib_experiment.twin.closed_loop import simulate, simulate_open_loop
 from satvib_studies.sweep.tables import fill, plain_markdown
 from scipy.signal import butter, sosfilt
 
-Array = NDArray[np.float64]
 SEEDS = range(1, 6)
 # rate of the channel in Hz, order and corner of its filter
 CHANNELS = ((100.0, 1, 50.0), (500.0, 2, 175.0), (1000.0, 2, 350.0), (2000.0, 2, 700.0))

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Complex
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_control.laws.model_reference.rohrs import DT, UNSTABLE, simulate
 from satvib_control.model_analysis.dominant_mode import polarity
@@ -27,8 +27,6 @@ from satvib_ident.models.iir_model import IirModel
 from satvib_plant_sim.responses.one_strut import discrete_strut_model
 from satvib_plant_sim.rig.rig import load_rig
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 CORNER = 0.5
 COLOURS = ('#0072B2', '#D55E00', '#009E73', '#CC79A7', '#E69F00')
 plt.rcParams.update({

@@ -32,8 +32,6 @@ sys.path.insert(0, str(ROOT / 'tests' / 'daq'))
 
 from stand import Stand  # noqa: E402 - it lives with the tests
 
-Array = np.ndarray
-
 
 def prepare(stand: Stand, graph: Graph) -> dict[str, Any]:
     """Start identifiers and controllers, and ears on the samples; gives where they are kept."""

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_control.laws.feedforward.wiener import (
     CoherenceBound,
@@ -33,7 +33,6 @@ from satvib_ident.models.iir_model import IirModel
 from satvib_plant_sim.rig.any_rig import make_plant
 from satvib_studies.sweep.tables import fill, plain_markdown
 
-Array = NDArray[np.float64]
 SETTINGS = {
     'paper_1dof': ('identifier={poles: 4, coefficients: 5}', 'controller.excitation=chirp'),
     'paper_3dof': ('identifier={poles: 4, coefficients: 5}', 'controller.excitation=chirp'),

@@ -14,7 +14,7 @@ import argparse
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_experiment.scenario.scenario import Scenario, load_scenario
 from satvib_experiment.twin.closed_loop import ClosedLoop
 from satvib_plant_sim.responses.one_strut import discrete_strut_model
@@ -77,7 +77,7 @@ class Case:
         )
 
 
-def phase_errors(case: Case, seeds: range) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def phase_errors(case: Case, seeds: range) -> tuple[Array, Mask]:
     """Absolute phase error in degrees, (seeds, struts, frequencies), and what is trusted, (seeds, struts)."""
     loop = ClosedLoop([case.scenario(seed) for seed in seeds])
     for step in loop.steps():

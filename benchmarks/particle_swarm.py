@@ -18,14 +18,13 @@ from collections.abc import Callable
 
 import cma
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_plant_sim.disturbance import make_disturbance
 from satvib_plant_sim.rig.rig import load_rig
 from satvib_studies.tuning.cost import CostSettings, TuningCost
 from satvib_studies.tuning.particle_swarm import ParticleSwarm, SwarmSettings
 from scipy.optimize import differential_evolution
 
-Array = NDArray[np.float64]
 Cost = Callable[[Array], Array]
 
 

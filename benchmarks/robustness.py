@@ -20,7 +20,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.phases import Phase
 from satvib_control.laws.feedforward import law as feedforward
 from satvib_control.laws.narrowband import law as narrowband
@@ -48,8 +48,6 @@ LAWS = (
 END = 16.5
 BATCH = 500
 RETREATS = np.array([feedforward.BACKED_OFF, feedforward.GAVE_UP, narrowband.HELD])
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 def scenario_of(rig: str, law: str, seed: int, end: float = END) -> Scenario:
@@ -94,7 +92,7 @@ def drawn_rig(name: str, trial: int) -> Rig:
     )
 
 
-def nominal_model(rig: str, law: str) -> tuple[IirModel, NDArray]:
+def nominal_model(rig: str, law: str) -> tuple[IirModel, Array]:
     """The model that the nominal rig's identification ends with, per strut, and its covariance."""
     loop = ClosedLoop([scenario_of(rig, law, 1)], [load_rig(rig)])
     for step in loop.steps():
@@ -106,7 +104,7 @@ def nominal_model(rig: str, law: str) -> tuple[IirModel, NDArray]:
     return found.model(), found.covariance
 
 
-def hand_over_always(loop: ClosedLoop, model: IirModel, covariance: NDArray) -> None:
+def hand_over_always(loop: ClosedLoop, model: IirModel, covariance: Array) -> None:
     """Whatever the loop hands over, its controller gets this model."""
     take = loop.controller.set_model
     loop.controller.set_model = lambda *_: take(model, True, '', covariance)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.phases import Phase
 from satvib_control.laws.narrowband.model_correction import taps
 from satvib_experiment.analysis.levels import decibel, tone_level
@@ -24,7 +24,6 @@ from satvib_ident.models.iir_model import IirModel
 from satvib_plant_sim.rig.rig import load_rig
 from satvib_studies.sweep.tables import fill
 
-Array = NDArray[np.float64]
 RIGS = ('paper_1dof', 'clean_1dof')
 DEGREES = (0, 30, 60, 66, 69, 72, 75, 78, 81, 85, 90, 120, 150, 180)
 SHOWN = (0, 75, 120, 180)
@@ -33,7 +32,7 @@ FREQUENCY = 20.0
 BEGIN, SETTLED = 8.0, 15.0  # s: CONTROL, the window that is judged
 
 
-def turned(model: IirModel, degrees: NDArray) -> IirModel:
+def turned(model: IirModel, degrees: Array) -> IirModel:
     """The model times a filter that turns it by degrees (items) at the tone and keeps its gain there."""
     omega = 2.0 * np.pi * FREQUENCY * model.dt
     b = [

@@ -5,7 +5,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from satvib_common.arrays import Array, Mask
 
 
 @dataclass(frozen=True)
@@ -18,9 +19,9 @@ class Guarded:
         fault: shape, bool; latched.
     """
 
-    voltage: NDArray[np.float64]
-    saturated: NDArray[np.bool_]
-    fault: NDArray[np.bool_]
+    voltage: Array
+    saturated: Mask
+    fault: Mask
 
 
 class VoltageGuard:
@@ -38,8 +39,8 @@ class VoltageGuard:
 
     def __init__(
         self,
-        limit: float | NDArray[np.float64],
-        slew: float | NDArray[np.float64],
+        limit: float | Array,
+        slew: float | Array,
         dt: float,
         shape: tuple[int, ...] = (),
     ) -> None:
@@ -48,7 +49,7 @@ class VoltageGuard:
         self.voltage = np.zeros(shape)
         self.fault = np.zeros(shape, dtype=bool)
 
-    def apply(self, demand: NDArray[np.float64], stop: NDArray[np.bool_] | bool = False) -> Guarded:
+    def apply(self, demand: Array, stop: Mask | bool = False) -> Guarded:
         """Let a demand (shape, V) through; `stop` (shape) latches 0 V."""
         finite = np.isfinite(demand)
         self.fault = self.fault | ~finite | stop
@@ -59,7 +60,7 @@ class VoltageGuard:
         self.voltage = np.where(self.fault, 0.0, limited) + 0.0
         return Guarded(self.voltage, (self.voltage != wanted) & ~self.fault, self.fault)
 
-    def reset(self, mask: NDArray[np.bool_] | bool = True) -> None:
+    def reset(self, mask: Mask | bool = True) -> None:
         """Release latched faults where `mask` (shape) holds; the output restarts from 0 V there."""
         self.fault = self.fault & ~np.asarray(mask)
         self.voltage = np.where(mask, 0.0, self.voltage)

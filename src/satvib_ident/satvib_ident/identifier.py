@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.phases import Phase
 from satvib_common.sequence import Arrival, SequenceTracker
 from satvib_common.signals.calibration import BiasCalibration
@@ -31,9 +32,6 @@ from satvib_ident.trust.checks import Verdict, judge
 from satvib_ident.trust.measures import RecentSignal
 from satvib_ident.trust.model_error import ModelError
 from satvib_ident.trust.response_deviation import ResponseDeviation
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 BY_CHANCE = 1e-6  # share of the samples of noise alone that pass the floor of the regressor
 CONFIDENCE = 0.999

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.phases import Phase
 from satvib_experiment.analysis.levels import decibel
 from satvib_experiment.analysis.tones import disturbance_onset
@@ -15,7 +15,7 @@ from satvib_experiment.scenario.scenario import Scenario
 if TYPE_CHECKING:
     from satvib_experiment.twin.closed_loop import LoopStep
 
-Update = Callable[[Phase, float, NDArray[np.float64]], None]
+Update = Callable[[Phase, float, Array], None]
 
 
 class LiveAttenuation:
@@ -33,9 +33,9 @@ class LiveAttenuation:
         self._update = update
         self._every = max(round(interval * self.rate), 1)
         self._phase: Phase | None = None
-        self._level: NDArray[np.float64] | None = None
+        self._level: Array | None = None
 
-    def see(self, sequence: int, phase: Phase, upper_rms: NDArray[np.float64]) -> None:
+    def see(self, sequence: int, phase: Phase, upper_rms: Array) -> None:
         """Take one sample's phase and running RMS (struts,)."""
         now = sequence / self.rate
         if phase is Phase.STANDBY and now >= self._onset:

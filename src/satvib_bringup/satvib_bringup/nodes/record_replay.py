@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import Schema, param
@@ -64,9 +64,9 @@ class Record:
         plan: phases by sample.
     """
 
-    upper: NDArray[np.float64]
-    lower: NDArray[np.float64]
-    voltage: NDArray[np.float64]
+    upper: Array
+    lower: Array
+    voltage: Array
     period: float
     plan: PhasePlan
 
@@ -99,7 +99,7 @@ def _from_bag(path: Path, strut: str) -> Record:
         raise SatvibError(f'{path}: no {strut} in it; there are {", ".join(recording.struts)}')
     i = recording.struts.index(strut)
 
-    def column(group: str, name: str) -> NDArray[np.float64]:
+    def column(group: str, name: str) -> Array:
         return np.asarray(recording.get(group, name)[:, i], dtype=float)
 
     return Record(

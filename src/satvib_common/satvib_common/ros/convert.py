@@ -6,8 +6,8 @@ from array import array
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 
@@ -30,7 +30,7 @@ def sample_stamp(sequence: int, period: float) -> int:
     return round(sequence * period * _SECOND)
 
 
-def doubles(values: NDArray[np.float64]) -> 'array[float]':
+def doubles(values: Array) -> 'array[float]':
     """Give a float64[] field's value, the cheap way."""
     return array('d', np.ascontiguousarray(values).tobytes())
 

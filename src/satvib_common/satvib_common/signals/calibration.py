@@ -3,7 +3,8 @@
 """Bias calibration: what a sensor reads at rest (the paper: "compensated by initial bias error")."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from satvib_common.arrays import Array
 
 
 class BiasCalibration:
@@ -20,7 +21,7 @@ class BiasCalibration:
         self.mean = np.zeros(shape)
         self._squares = np.zeros(shape)
 
-    def add(self, value: NDArray[np.float64]) -> None:
+    def add(self, value: Array) -> None:
         """Take one sample (shape); a value that is not finite is left out."""
         good = np.isfinite(value)
         value = np.where(good, value, 0.0)
@@ -30,7 +31,7 @@ class BiasCalibration:
         self._squares = np.where(good, self._squares + delta * (value - self.mean), self._squares)
 
     @property
-    def standard_deviation(self) -> NDArray[np.float64]:
+    def standard_deviation(self) -> Array:
         """Sample standard deviation (shape); NaN before the second sample."""
         with np.errstate(invalid='ignore', divide='ignore'):
             variance = self._squares / (self.count - 1.0)

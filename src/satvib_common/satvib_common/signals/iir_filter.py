@@ -3,8 +3,9 @@
 """A recursive filter, sample by sample, for any batch."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
 
 
@@ -39,7 +40,7 @@ class IirFilter:
         self.state = np.zeros((*shape, max(self.a.shape[-1] - 1, 1)))
 
     @staticmethod
-    def _padded(b: ArrayLike, a: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _padded(b: ArrayLike, a: ArrayLike) -> tuple[Array, Array]:
         b, a = np.asarray(b, dtype=float), np.asarray(a, dtype=float)
         lead = a[..., :1]
         length = max(a.shape[-1], b.shape[-1])
@@ -54,11 +55,11 @@ class IirFilter:
         """Change the filter and keep its state; the order must stay."""
         self.b, self.a = self._padded(b, a)
 
-    def step(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def step(self, x: Array) -> Array:
         """Filter one sample (shape)."""
-        result: NDArray[np.float64] = np.asarray(iir_step(self.b, self.a, self.state, x))
+        result: Array = np.asarray(iir_step(self.b, self.a, self.state, x))
         return result
 
-    def reset(self, mask: NDArray[np.bool_] | bool = True) -> None:
+    def reset(self, mask: Mask | bool = True) -> None:
         """Forget the past where `mask` (shape) holds."""
         self.state[...] = np.where(np.asarray(mask)[..., None], 0.0, self.state)

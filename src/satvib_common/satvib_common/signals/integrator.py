@@ -13,9 +13,7 @@ corner H is 1/s. Discretised by Tustin's rule. The phase error at f is 2 atan(f_
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from satvib_common.arrays import Array
 from satvib_common.signals.iir_filter import IirFilter
 
 
@@ -40,6 +38,6 @@ class LeakyIntegrator(IirFilter):
     def __init__(self, corner: float, dt: float, shape: tuple[int, ...] = ()) -> None:
         super().__init__(*leaky_integrator(corner, dt), shape)
 
-    def velocity(self, acceleration: NDArray[np.float64]) -> NDArray[np.float64]:
+    def velocity(self, acceleration: Array) -> Array:
         """Take one sample (shape, m/s^2) and give the velocity (shape, m/s)."""
         return self.step(acceleration)

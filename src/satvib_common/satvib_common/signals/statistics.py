@@ -3,7 +3,8 @@
 """Running figures that a person watches."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from satvib_common.arrays import Array
 
 
 class MovingRms:
@@ -20,7 +21,7 @@ class MovingRms:
         self._next = 0
         self._count = 0
 
-    def add(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+    def add(self, value: Array) -> Array:
         """Take one sample (shape) and give the RMS so far (shape). A value that is not finite counts as 0."""
         square = np.where(np.isfinite(value), value * value, 0.0)
         window = len(self._squares)

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Mask
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.core.controller import ControllerCore
 from satvib_control.core.divergence_watch import DivergenceWatch
-from satvib_control.laws.base import Array, Mask
 from satvib_control.laws.centralized.parameters import CentralizedParameters
 from satvib_control.parameters import ControllerParameters
 

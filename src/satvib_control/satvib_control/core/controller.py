@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Mask
 from satvib_common.guard import Guarded, VoltageGuard
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.sequence import Arrival, SequenceTracker
@@ -27,7 +28,7 @@ from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.core.divergence_watch import DivergenceWatch
 from satvib_control.core.output import ControllerOutput
-from satvib_control.laws.base import Array, LawInput, Mask
+from satvib_control.laws.base import LawInput
 from satvib_control.laws.reasons import reason, reasons
 from satvib_control.laws.registry import make_law
 from satvib_control.laws.strut_excitation import StrutSignals

@@ -19,11 +19,11 @@ law goes on as before. A hundred watch times in peace forgive one time.
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
 from satvib_common.signals.iir_filter import IirFilter
 from satvib_ident.models.iir_model import IirModel
 
-from satvib_control.laws.base import Array, Mask
 from satvib_control.model_analysis.transfer import model_polynomials
 
 if TYPE_CHECKING:

@@ -5,9 +5,10 @@
 from dataclasses import dataclass
 from typing import Any
 
+from satvib_common.arrays import Array, Mask
 from satvib_common.phases import Phase
 
-from satvib_control.laws.base import STATE_FIELDS, Array, LawState, Mask
+from satvib_control.laws.base import STATE_FIELDS, LawState
 from satvib_control.laws.reasons import text_of
 
 

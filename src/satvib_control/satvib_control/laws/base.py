@@ -18,16 +18,13 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.phases import Phase
 
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
 
     from satvib_control.parameters import ControllerParameters
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -74,7 +71,7 @@ class LawState:
     weight_norm: Array = field(init=False)
     frequency: Array = field(init=False)
     adapting: Mask = field(init=False)
-    reason: NDArray[np.int64] = field(init=False)
+    reason: Integers = field(init=False)
 
     def __post_init__(self) -> None:
         """Begin with nothing known."""

@@ -3,9 +3,10 @@
 """No control: 0 V, the open loop that every attenuation is measured against."""
 
 import numpy as np
+from satvib_common.arrays import Array
 from satvib_common.phases import Phase
 
-from satvib_control.laws.base import Array, BasicLaw, LawInput
+from satvib_control.laws.base import BasicLaw, LawInput
 
 
 class Off(BasicLaw):

@@ -8,7 +8,7 @@
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Integers
 
 _TEXTS: list[str] = ['']
 _CODES: dict[str, int] = {'': 0}
@@ -27,7 +27,7 @@ def text_of(code: int) -> str:
     return _TEXTS[int(code)]
 
 
-def reasons(texts: str | Iterable[str], shape: tuple[int, ...]) -> NDArray[np.int64]:
+def reasons(texts: str | Iterable[str], shape: tuple[int, ...]) -> Integers:
     """Codes (shape) of one text for all, or of texts with that shape in C order (any nesting)."""
     array = np.asarray(texts, dtype=object)
     flat = [reason(str(text)) for text in array.ravel()]

@@ -6,11 +6,11 @@ import dataclasses
 from typing import Any
 
 import numpy as np
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import parse_yaml
 from satvib_ident.excitation import SIGNALS, make_excitation
 
-from satvib_control.laws.base import Array
 from satvib_control.parameters import ControllerParameters
 
 

@@ -21,11 +21,12 @@ each gets the square root of it; feedforward closes no loop and costs nothing.
 """
 
 import numpy as np
+from satvib_common.arrays import Array, Mask
 from satvib_common.phases import Phase
 from satvib_common.signals.iir_filter import IirFilter
 from satvib_ident.models.iir_model import IirModel
 
-from satvib_control.laws.base import STATE_FIELDS, Array, BasicLaw, Law, LawInput, Mask
+from satvib_control.laws.base import STATE_FIELDS, BasicLaw, Law, LawInput
 from satvib_control.model_analysis.transfer import model_polynomials
 from satvib_control.parameters import ControllerParameters
 

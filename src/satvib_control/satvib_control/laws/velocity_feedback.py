@@ -18,10 +18,11 @@ With an identified model, g is reduced to the bound that keeps the modulus margi
 from typing import TYPE_CHECKING
 
 import numpy as np
+from satvib_common.arrays import Array, Mask
 from satvib_common.phases import Phase
 from satvib_common.signals.integrator import LeakyIntegrator
 
-from satvib_control.laws.base import Array, BasicLaw, LawInput, Mask
+from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.reasons import reason
 from satvib_control.model_analysis.dominant_mode import polarity
 from satvib_control.model_analysis.gain_bounds import gain_bounds

@@ -31,35 +31,34 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Complex
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.model_analysis.transfer import model_polynomials, value
 
-Array = NDArray[np.float64]
 
-
-def _roots(c: Array) -> NDArray[np.complex128]:
+def _roots(c: Array) -> Complex:
     """Roots in z of a polynomial in z^-1; trailing zeros are roots at 0, which nobody needs."""
     last = len(c)
     while last > 1 and c[last - 1] == 0.0:
         last -= 1
-    found: NDArray[np.complex128] = np.roots(c[:last]).astype(complex)
+    found: Complex = np.roots(c[:last]).astype(complex)
     return found
 
 
-def _response(c: Array, zi: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _response(c: Array, zi: Complex) -> Complex:
     total = np.zeros_like(zi)
     for coefficient in c[::-1]:
         total = total * zi + coefficient
     return total
 
 
-def _loop(b: Array, a: Array, cb: Array, ca: Array, f: Array) -> NDArray[np.complex128]:
+def _loop(b: Array, a: Array, cb: Array, ca: Array, f: Array) -> Complex:
     """C B/A at frequencies in shares of the sample rate."""
     zi = np.exp(-2j * math.pi * f)
     top = _response(b, zi) * _response(cb, zi)
-    result: NDArray[np.complex128] = top / (_response(a, zi) * _response(ca, zi))
+    result: Complex = top / (_response(a, zi) * _response(ca, zi))
     return result
 
 
@@ -117,9 +116,7 @@ def _dominant(b: Array, a: Array, cb: Array, ca: Array, delay: int) -> complex:
     return best
 
 
-def dominant_pole(
-    model: IirModel, numerator: ArrayLike, denominator: ArrayLike
-) -> NDArray[np.complex128]:
+def dominant_pole(model: IirModel, numerator: ArrayLike, denominator: ArrayLike) -> Complex:
     """Give s = ln z / dt (rad/s) of the dominant pole per item; 0 where there is none.
 
     Args:

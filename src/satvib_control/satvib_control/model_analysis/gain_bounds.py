@@ -32,7 +32,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
 from scipy.special import gammaincinv
 
@@ -40,8 +41,6 @@ from satvib_control.model_analysis.transfer import model_polynomials, stable
 
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

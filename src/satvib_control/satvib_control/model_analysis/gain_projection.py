@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
 
 from satvib_control.model_analysis.transfer import ratio
@@ -50,7 +51,7 @@ def _response(num: Any, den: Any, cos: Any, sin: Any, real: Any, imag: Any) -> N
         imag[i] = here.imag
 
 
-def loop_grid(numerators: list[ArrayLike], denominator: ArrayLike) -> NDArray[np.float64]:
+def loop_grid(numerators: list[ArrayLike], denominator: ArrayLike) -> Array:
     """Re and Im of each L_j on the grid, (..., 2 j, POINTS).
 
     Args:

@@ -17,13 +17,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.model_analysis.transfer import model_polynomials, multiply, respond
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,10 @@ from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
 from satvib_ident.models.iir_model import IirModel
-
-Array = NDArray[np.float64]
 
 
 def model_polynomials(model: IirModel) -> tuple[Array, Array]:

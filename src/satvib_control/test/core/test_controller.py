@@ -4,10 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_control.core.controller import ControllerCore
-from satvib_control.laws.base import Array, BasicLaw, LawInput
+from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.registry import make_law
 from satvib_control.laws.sum import LawSum
 from satvib_ident.excitation import make_excitation

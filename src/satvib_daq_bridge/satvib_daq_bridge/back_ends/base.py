@@ -12,14 +12,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema
 
 from satvib_daq_bridge.channels import Channel, Channels
 
-Array = NDArray[np.float64]
 S = TypeVar('S', bound=Schema)
 
 

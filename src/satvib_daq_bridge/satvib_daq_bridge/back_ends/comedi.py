@@ -14,10 +14,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 
-from satvib_daq_bridge.back_ends.base import Array, BackEndError, options_of
+from satvib_daq_bridge.back_ends.base import BackEndError, options_of
 from satvib_daq_bridge.back_ends.comedi_library import AI, AO, REFERENCES, UNIT_VOLT, Comedi
 from satvib_daq_bridge.back_ends.polled import Polled
 from satvib_daq_bridge.channels import Channel, Channels

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from satvib_common.arrays import Array
 from satvib_common.schema import Schema, param
 from satvib_plant_sim.rig.rig import load_rig
 
 from satvib_daq_bridge.back_ends.base import (
-    Array,
     Reading,
     check_indices,
     options_of,

@@ -15,11 +15,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 
 from satvib_daq_bridge.back_ends.base import (
-    Array,
     BackEndError,
     by_device,
     missing_library,

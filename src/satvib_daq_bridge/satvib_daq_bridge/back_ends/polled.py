@@ -8,8 +8,9 @@ from abc import abstractmethod
 from collections.abc import Callable
 
 import numpy as np
+from satvib_common.arrays import Array
 
-from satvib_daq_bridge.back_ends.base import Array, BackEnd, BackEndError, Reading
+from satvib_daq_bridge.back_ends.base import BackEnd, BackEndError, Reading
 from satvib_daq_bridge.back_ends.ticker import Ticker
 from satvib_daq_bridge.channels import Channels
 

@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 
 from satvib_daq_bridge.back_ends.base import (
-    Array,
     EndOfRecordError,
     Reading,
     options_of,

@@ -9,10 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-
-Array = NDArray[np.float64]
 
 
 def read_csv(path: Path, columns: Mapping[str, str]) -> Array:

@@ -12,13 +12,11 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.signals.calibration import BiasCalibration
 
 from satvib_daq_bridge.channels import SensorChannel
-
-Array = NDArray[np.float64]
 
 # s, the least time that a bias is learnt
 SHORTEST = 1.0

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Integers
 from satvib_common.errors import SatvibError
 
 from satvib_daq_bridge.bridge.bias import SensorBias
@@ -22,8 +22,6 @@ from satvib_daq_bridge.channels import Channels
 from satvib_daq_bridge.guardian import link as line
 from satvib_daq_bridge.parameters import BridgeParameters
 from satvib_daq_bridge.states import State, StateMachine, Transition
-
-Array = NDArray[np.float64]
 
 # times the longest silence, in every state but ACTIVE
 _IDLE_PATIENCE = 10.0
@@ -300,7 +298,7 @@ class Bridge:
     def _changed_mode(self) -> None:
         self._send(line.pack_mode(self.states.state))
 
-    def _lower_positions(self) -> NDArray[np.int64]:
+    def _lower_positions(self) -> Integers:
         """Where each strut's lower sensor stands among the inputs; one beyond the end: nowhere."""
         names = [name for name, _ in self.channels.inputs]
         wanted = [f'{name}.lower' for name in self.struts]

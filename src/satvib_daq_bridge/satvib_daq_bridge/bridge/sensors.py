@@ -12,11 +12,9 @@ device that stops sampling altogether is the caller's to notice: there is no rea
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 from satvib_daq_bridge.channels import SensorChannel
-
-Array = NDArray[np.float64]
 
 # of the span: nearer than this to an end of the range counts as railed
 _MARGIN = 0.005

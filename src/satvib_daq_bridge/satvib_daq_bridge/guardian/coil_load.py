@@ -14,11 +14,9 @@ step is that of the larger of its steady and its last current.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 from satvib_daq_bridge.channels import CoilChannel
-
-Array = NDArray[np.float64]
 
 
 class CoilLoad:

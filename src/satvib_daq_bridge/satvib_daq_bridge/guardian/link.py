@@ -13,11 +13,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 from satvib_daq_bridge.states import State
-
-Array = NDArray[np.float64]
 
 _COMMAND = struct.Struct('<BHQd')
 _SAMPLE = struct.Struct('<BQdddIHH')

@@ -14,14 +14,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.guard import VoltageGuard
 
 from satvib_daq_bridge.channels import CoilChannel
 from satvib_daq_bridge.guardian.coil_load import CoilLoad
 from satvib_daq_bridge.states import State
-
-Array = NDArray[np.float64]
 
 # relative; a rounding error of the arithmetic is no violation
 _EPSILON = 1e-12
@@ -40,7 +38,7 @@ class Output:
 
     coil: Array
     converter: Array
-    saturated: NDArray[np.bool_]
+    saturated: Mask
     fault: str
 
 

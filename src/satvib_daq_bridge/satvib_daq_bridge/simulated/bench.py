@@ -10,13 +10,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_plant_sim.disturbance import make_disturbance
 from satvib_plant_sim.plant.plant import Plant, Truth
 from satvib_plant_sim.rig.rig import Rig
-
-Array = NDArray[np.float64]
 
 
 class Bench:

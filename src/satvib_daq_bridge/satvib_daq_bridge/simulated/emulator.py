@@ -25,7 +25,7 @@ from types import FrameType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import parse_yaml
 from satvib_plant_sim.rig.rig import Rig, load_rig
@@ -71,9 +71,9 @@ class Emulator:
         self.bench.advance(
             np.zeros(rig.struts.count)
         )  # compiles now what would stall the first sample
-        self.upper: list[NDArray[np.float64]] = []
-        self.lower: list[NDArray[np.float64]] = []
-        self.volts: list[NDArray[np.float64]] = []
+        self.upper: list[Array] = []
+        self.lower: list[Array] = []
+        self.volts: list[Array] = []
         self.begun_at = -1
         self._session: Any = None
         self._out = b''

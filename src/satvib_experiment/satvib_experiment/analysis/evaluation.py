@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.phases import Phase
 
 from satvib_experiment.analysis.levels import decibel, moving_rms, rms, tone_floor, tone_level
 from satvib_experiment.analysis.tones import disturbance_onset, disturbance_tones
 from satvib_experiment.analysis.windows import Span, Windows, find_windows
 from satvib_experiment.recording.recording import Recording
-
-Array = NDArray[np.float64]
 
 KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')
 # a run has settled once its level stays within this of the level in the controlled window

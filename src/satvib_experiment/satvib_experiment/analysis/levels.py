@@ -11,10 +11,8 @@ accelerometer it is bias, not vibration.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from scipy.signal import welch
-
-Array = NDArray[np.float64]
 
 
 def decibel(level: Array, baseline: Array) -> Array:

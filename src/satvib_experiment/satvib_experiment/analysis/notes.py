@@ -3,7 +3,7 @@
 """What a reader of the figures must know, in sentences."""
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Mask
 
 from satvib_experiment.analysis.evaluation import Evaluation
 from satvib_experiment.recording.recording import Recording
@@ -59,7 +59,7 @@ def _label(evaluation: Evaluation, i: np.intp) -> str:
     return evaluation.struts[i].replace('_', ' ')
 
 
-def _listed(evaluation: Evaluation, where: NDArray[np.bool_]) -> str:
+def _listed(evaluation: Evaluation, where: Mask) -> str:
     return ', '.join(_label(evaluation, i) for i in np.flatnonzero(where))
 
 

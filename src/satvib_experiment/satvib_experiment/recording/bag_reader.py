@@ -18,6 +18,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader, AnyReaderError
+from satvib_common.arrays import Integers
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import parse_yaml
@@ -189,7 +190,7 @@ def _group(
     present = np.zeros((count, len(by_strut)), dtype=bool)
     names: list[str] = []
     kept: list[list[Any]] = []
-    rows: list[NDArray[np.int64]] = []
+    rows: list[Integers] = []
     for strut, messages in enumerate(by_strut):
         inside = [m for m in messages if 0 <= m.sequence - first < count]
         by_row = {m.sequence - first: m for m in inside}
@@ -212,7 +213,7 @@ def _group(
     return result
 
 
-def _array(values: list[list[Any]], rows: list[NDArray[np.int64]], count: int) -> NDArray[Any]:
+def _array(values: list[list[Any]], rows: list[Integers], count: int) -> NDArray[Any]:
     """Scatter values by strut to (count, struts, ...); NaN, zero or '' where there is none."""
     filled = [v for v in values if v]
     sample = filled[0][0]

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 
 from satvib_experiment.scenario.settings_file import nearest
 
 
-def read_columns(path: Path, names: Sequence[str]) -> list[NDArray[np.float64]]:
+def read_columns(path: Path, names: Sequence[str]) -> list[Array]:
     """Read columns by their names in the header.
 
     Args:
@@ -35,7 +35,7 @@ def read_columns(path: Path, names: Sequence[str]) -> list[NDArray[np.float64]]:
         raise SatvibError(f'{path}: cannot be read as CSV: {reason}') from None
 
 
-def _read(source, path: Path, names: Sequence[str]) -> list[NDArray[np.float64]]:  # type: ignore[no-untyped-def]  # noqa: ANN001
+def _read(source, path: Path, names: Sequence[str]) -> list[Array]:  # type: ignore[no-untyped-def]  # noqa: ANN001
     first = source.readline()
     if not first.strip():
         raise SatvibError(f'{path}: is empty; a header line with column names is expected')

@@ -5,8 +5,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 
@@ -27,8 +26,8 @@ class Record:
         name: for people.
     """
 
-    u: NDArray[np.float64]
-    y: NDArray[np.float64]
+    u: Array
+    y: Array
     dt: float
     delay: int
     name: str

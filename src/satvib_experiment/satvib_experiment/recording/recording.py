@@ -15,6 +15,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_plant_sim.rig.any_rig import AnyRig, rig_from_mapping
@@ -57,8 +58,8 @@ class Recording:
     struts: tuple[str, ...]
     sample_period: float
     plan: PhasePlan
-    sequence: NDArray[np.int64]
-    stamp: NDArray[np.int64]
+    sequence: Integers
+    stamp: Integers
     groups: dict[str, Group]
     scenario: Scenario | None = None
     rig: AnyRig | None = None
@@ -83,12 +84,12 @@ class Recording:
         return self.groups[group][name]
 
     @property
-    def time(self) -> NDArray[np.float64]:
+    def time(self) -> Array:
         """Time of each sample since sample 0 (samples,), s."""
         return np.asarray(self.sequence * self.sample_period)
 
     @property
-    def phase(self) -> NDArray[np.int64]:
+    def phase(self) -> Integers:
         """Phase of each sample (samples,)."""
         return np.array([self.plan.at(int(k)) for k in self.sequence])
 
@@ -218,7 +219,7 @@ def differences(first: Recording, second: Recording) -> list[str]:
 
 
 def _difference(
-    label: str, group: str, name: str, first: Recording, second: Recording, both: NDArray[np.bool_]
+    label: str, group: str, name: str, first: Recording, second: Recording, both: Mask
 ) -> list[str]:
     a, b = first.get(group, name), second.get(group, name)
     if a.shape[2:] != b.shape[2:]:

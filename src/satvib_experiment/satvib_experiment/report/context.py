@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.phases import Phase
 
 from satvib_experiment.analysis.evaluation import Evaluation, fine
@@ -31,18 +31,18 @@ class Context:
         """Whether it is known what happened between the samples."""
         return self.recording.has('truth', 'upper')
 
-    def fine_time(self, window: slice = slice(None)) -> NDArray[np.float64]:
+    def fine_time(self, window: slice = slice(None)) -> Array:
         """Time of the truth's fine samples, s."""
         count = self.recording.get('truth', 'upper').shape[2]
         start = self.recording.time[window]
         steps = np.arange(count) * self.recording.fine_period
         return np.asarray((start[:, None] + steps).ravel())
 
-    def fine(self, window: slice = slice(None), plate: str = 'upper') -> NDArray[np.float64]:
+    def fine(self, window: slice = slice(None), plate: str = 'upper') -> Array:
         """Truth on the fine grid (samples, struts), m/s^2."""
         return fine(self.recording, window, plate)
 
-    def measured(self, window: slice = slice(None)) -> NDArray[np.float64]:
+    def measured(self, window: slice = slice(None)) -> Array:
         """Upper acceleration as sampled, without the bias learnt in CALIBRATE (samples, struts), m/s^2."""
         return without_bias(self.recording, window)
 
@@ -54,7 +54,7 @@ class Context:
         return None
 
 
-def without_bias(recording: Recording, window: slice = slice(None)) -> NDArray[np.float64]:
+def without_bias(recording: Recording, window: slice = slice(None)) -> Array:
     """Upper acceleration as sampled (samples, struts), m/s^2, less what the sensor read at rest.
 
     The bias that the controllers learnt last; without their states, the mean before anything moves is unknown and the

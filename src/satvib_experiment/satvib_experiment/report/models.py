@@ -5,14 +5,12 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Complex
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_experiment.report.context import Context
-
-Array = NDArray[np.float64]
 
 
 def last_identified(context: Context, strut: int) -> int | None:
@@ -98,7 +96,7 @@ def model_summary(context: Context, strut: int) -> dict[str, Any] | None:
     return summary
 
 
-def true_response(context: Context, strut: int, frequency: Array) -> NDArray[np.complex128]:
+def true_response(context: Context, strut: int, frequency: Array) -> Complex:
     """Exact sampled response of the simulated rig from a strut's voltage to its measured acceleration.
 
     Args:

@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_control.core.centralized import make_core
@@ -102,7 +102,7 @@ class ClosedLoop:
         )
         self.model_period = first.model_period
         # Before sample 0 everything is at rest at 0 V; that much is known.
-        self._voltages: deque[NDArray[np.float64]] = deque(
+        self._voltages: deque[Array] = deque(
             [np.zeros(shape)] * (parameters.delay + 1), maxlen=parameters.delay + 1
         )
 
@@ -119,7 +119,7 @@ class ClosedLoop:
                     'batch: rigs differ in sample rate or struts, run them one by one'
                 )
 
-    def _known(self, voltage: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _known(self, voltage: Array) -> Array:
         """What an identifier hears of a voltage: nothing from a controller that is dead."""
         if not isinstance(self.plant, FailingPlant) or not self.plant.dead.any():
             return voltage

@@ -7,7 +7,7 @@ finds from the same excitation without noise and quantization is what noise keep
 """
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_plant_sim.rig.any_rig import without_noise
@@ -16,7 +16,7 @@ from satvib_experiment.recording.recording import Recording
 from satvib_experiment.twin.closed_loop import ClosedLoop
 
 
-def perfect_parameters(recording: Recording) -> NDArray[np.float64] | None:
+def perfect_parameters(recording: Recording) -> Array | None:
     """Parameters (struts, n + m) at the end of the first IDENTIFY, without noise.
 
     None when nothing was identified, or the run cannot be simulated here.

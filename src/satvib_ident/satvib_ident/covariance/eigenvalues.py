@@ -7,7 +7,7 @@ G. H. Golub and C. F. Van Loan, Matrix Computations, 2013, section 8.5.
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
 
 
@@ -119,16 +119,14 @@ def is_positive(A, slack):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN2
 
 
 def extreme_eigenvalues(
-    matrix: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    matrix: Array,
+) -> tuple[Array, Array]:
     """Smallest and largest eigenvalue (...) of a symmetric matrix (..., p, p)."""
     _, low, high = _extremes(matrix)
     return np.asarray(low), np.asarray(high)
 
 
-def information_measures(
-    U: NDArray[np.float64], d: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def information_measures(U: Array, d: Array) -> tuple[Array, Array]:
     """How well the data, all directions alike, tell the parameters.
 
     The information matrix R = P^-1 is scaled to ones on its diagonal, so that units do not matter.

@@ -20,7 +20,7 @@ G. J. Bierman, Factorization Methods for Discrete Sequential Estimation, Academi
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
 
 # Elements are kept within these: neither a million strong samples nor a million silent ones reach 0 or infinity.
@@ -231,7 +231,7 @@ def _assemble(U, d, P):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
         P[i, i] *= lift
 
 
-def covariance(U: NDArray[np.float64], d: NDArray[np.float64]) -> NDArray[np.float64]:
+def covariance(U: Array, d: Array) -> Array:
     """P = U D U^T, (..., p, p), the same above and below the diagonal to the last bit.
 
     The diagonal is 16 p^2 units of rounding larger than computed (4.5e-14 for five parameters): so much that the
@@ -241,9 +241,7 @@ def covariance(U: NDArray[np.float64], d: NDArray[np.float64]) -> NDArray[np.flo
     return np.asarray(_assemble(U, d))
 
 
-def fresh(
-    covariance: NDArray[np.float64], shape: tuple[int, ...]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def fresh(covariance: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
     """Factors (U, d) of a diagonal covariance (p) for every item of `shape`."""
     p = covariance.shape[-1]
     U = np.broadcast_to(np.eye(p), (*shape, p, p)).copy()

@@ -12,15 +12,13 @@ L. Ljung and T. Soederstroem, Theory and Practice of Recursive Identification, 1
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares
 from satvib_ident.forgetting import Forgetting
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @kernel(

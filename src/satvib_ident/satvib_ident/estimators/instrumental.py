@@ -20,16 +20,14 @@ Identification, 1989, chapter 8.
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
 
 from satvib_ident.estimators.extended import ExtendedLeastSquares
 from satvib_ident.estimators.least_squares import UPDATES, RecursiveLeastSquares
 from satvib_ident.forgetting import Forgetting
 from satvib_ident.models.polynomials import inside
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 STABLE = 0.995  # an auxiliary model beyond this radius would remember its own mistakes for too long
 

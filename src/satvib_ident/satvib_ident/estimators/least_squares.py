@@ -17,7 +17,8 @@ P.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 
@@ -25,9 +26,6 @@ from satvib_ident.covariance import ud
 from satvib_ident.covariance.eigenvalues import information_measures
 from satvib_ident.covariance.ud import grown_scale, measure_one
 from satvib_ident.forgetting import Forgetting, NoForgetting
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 UPDATES, REFUSED, RESIDUALS, WEIGHT = range(4)  # the places of a tally
 

@@ -9,11 +9,8 @@ pass through; until then the vector is not full and must not be used.
 """
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 class IirRegressor:

@@ -8,7 +8,7 @@ Each strut has a stream of its own: default_rng([seed, strut]).
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.schema import param
 
 from satvib_ident.excitation.periodic import PeriodicExcitation
@@ -20,7 +20,7 @@ class BandRandom(PeriodicExcitation):
 
     period: float = param(60.0, 'time after which the noise repeats', unit='s', above=0.0)
 
-    def table(self) -> NDArray[np.float64]:
+    def table(self) -> Array:
         """One period, limited to three deviations."""
         generator = np.random.default_rng([self.seed, self.strut])
         spectrum = np.zeros(self.count // 2 + 1, dtype=complex)

@@ -16,7 +16,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Complex
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 
@@ -63,7 +63,7 @@ class ExcitationDesign:
     limited_by: str
 
 
-def _compliance(task: ExcitationTask, f: NDArray[np.float64]) -> NDArray[np.complex128]:
+def _compliance(task: ExcitationTask, f: Array) -> Complex:
     w, wn = 2.0 * math.pi * f, 2.0 * math.pi * task.natural_frequency
     return np.asarray(task.gain / (wn * wn - w * w + 2j * task.damping * wn * w))
 

@@ -19,7 +19,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Integers
 from satvib_common.errors import SatvibError
 from satvib_common.schema import param
 
@@ -35,7 +35,7 @@ class Multisine(PeriodicExcitation):
     interleave: bool = param(True, 'each strut takes lines of its own')
 
     @property
-    def own_lines(self) -> NDArray[np.int64]:
+    def own_lines(self) -> Integers:
         """The lines of this strut."""
         if self.interleave:
             return self.lines[self.strut % self.struts :: self.struts]
@@ -49,7 +49,7 @@ class Multisine(PeriodicExcitation):
                 f'low, high, period: {self.lines.size} lines are too few for {self.struts} struts'
             )
 
-    def table(self) -> NDArray[np.float64]:
+    def table(self) -> Array:
         """One period; the phases are searched for at four times the sample rate, so that nothing hides between."""
         lines = self.own_lines
         fine = 4 * self.count

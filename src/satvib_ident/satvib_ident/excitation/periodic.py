@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Integers
 from satvib_common.errors import SatvibError
 from satvib_common.schema import param
 
@@ -27,7 +27,7 @@ class PeriodicExcitation(Excitation):
         return max(round(self.period / self.dt), 2)
 
     @property
-    def lines(self) -> NDArray[np.int64]:
+    def lines(self) -> Integers:
         """The multiples of 1 / period in the band."""
         step = 1.0 / (self.count * self.dt)
         first = int(np.ceil(self.low / step * (1.0 - 1e-9)))
@@ -46,12 +46,12 @@ class PeriodicExcitation(Excitation):
                 f'{self.low} and {self.high} Hz'
             )
 
-    def table(self) -> NDArray[np.float64]:
+    def table(self) -> Array:
         """Make one period with any peak, (count)."""
         raise NotImplementedError
 
     @cached_property
-    def values(self) -> NDArray[np.float64]:
+    def values(self) -> Array:
         """One period with the wanted peak, V, (count)."""
         shape = self.table()
         return shape * (self.amplitude / float(np.max(np.abs(shape))))

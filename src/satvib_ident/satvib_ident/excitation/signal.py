@@ -5,7 +5,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.schema import Schema, param
 
 
@@ -27,6 +27,6 @@ class Excitation(Schema):
         """Voltage in V at sample i >= 0 of the phase."""
         raise NotImplementedError
 
-    def samples(self, count: int) -> NDArray[np.float64]:
+    def samples(self, count: int) -> Array:
         """The first `count` samples, V."""
         return np.array([self.at(i) for i in range(count)], dtype=float)

@@ -10,14 +10,11 @@ deviations of the noise.
 """
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 
 from satvib_ident.forgetting.none import ONE, NoForgetting
 from satvib_ident.forgetting.protocol import Factors
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 class DeadZone(NoForgetting):

@@ -21,7 +21,7 @@ Automatica 36, 2000; B. Lai and D. S. Bernstein, SIFt-RLS, arXiv:2404.10844, 202
 """
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 
@@ -31,9 +31,6 @@ from satvib_ident.forgetting.exponential import checked_factor
 from satvib_ident.forgetting.none import NoForgetting
 from satvib_ident.forgetting.protocol import Factors
 from satvib_ident.forgetting.variable_rate import VariableRateForgetting, tested_factor
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # Along a direction in which the regressors are no longer than this many deviations of the noise they tell nothing.
 DEVIATIONS = 2.0

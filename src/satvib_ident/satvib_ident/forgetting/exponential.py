@@ -9,14 +9,11 @@ on the trace of P stops the growth, and the estimate then follows the noise. Use
 """
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 
 from satvib_ident.forgetting.none import NoForgetting
 from satvib_ident.forgetting.protocol import Factors
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 def checked_factor(factor: float) -> float:

@@ -3,12 +3,9 @@
 """No forgetting: lambda = 1, every sample counts alike; the batch least-squares solution of Eq. (8)."""
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 
 from satvib_ident.forgetting.protocol import Factors
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 ONE: Array = np.ones(())
 

@@ -4,11 +4,7 @@
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from satvib_common.arrays import Array, Mask
 
 
 class Factors(Protocol):

@@ -11,16 +11,13 @@ would hide the small one. As long as the trace of R is below 1/threshold there i
 """
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 
 from satvib_ident.covariance.eigenvalues import is_positive
 from satvib_ident.forgetting.none import ONE, NoForgetting
 from satvib_ident.forgetting.protocol import Factors
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @kernel(

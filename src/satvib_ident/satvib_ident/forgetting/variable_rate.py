@@ -17,16 +17,13 @@ import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 from scipy.special import fdtri
 
 from satvib_ident.forgetting.none import NoForgetting
 from satvib_ident.forgetting.protocol import Factors
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @njit(inline='always')

@@ -11,16 +11,13 @@ Memory: N (p + 1) numbers per item. Samples that are not used do not slide the w
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 
 from satvib_ident.covariance.ud import add_one, measure_one
 from satvib_ident.forgetting.none import ONE, NoForgetting
 from satvib_ident.forgetting.protocol import Factors
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 ROUNDS = 4.0  # after which the factors are built up again
 

@@ -10,13 +10,12 @@ step-invariant discretization is the given model. The paper's "d2c" print of G(z
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Complex
 from satvib_common.errors import SatvibError
 from scipy.linalg import logm, solve
 
 from satvib_ident.models.polynomials import roots
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,15 +32,15 @@ class ContinuousModel:
     denominator: Array
     dead_time: float
 
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> Complex:
         """Poles in s, rad/s, (..., n)."""
         return roots(self.denominator)
 
-    def zeros(self) -> NDArray[np.complex128]:
+    def zeros(self) -> Complex:
         """Zeros in s, rad/s, (..., m - 1); inf where the leading coefficient is 0."""
         return roots(self.numerator)
 
-    def frequency_response(self, frequency: ArrayLike) -> NDArray[np.complex128]:
+    def frequency_response(self, frequency: ArrayLike) -> Complex:
         """G(j 2 pi f), dead time included; `frequency` in Hz, scalar or (f,)."""
         f = np.asarray(frequency, dtype=float)
         s = 2j * np.pi * np.atleast_1d(f)
@@ -53,7 +52,7 @@ class ContinuousModel:
         response = top / bottom * np.exp(-s * self.dead_time)
         return response[..., 0] if f.ndim == 0 else response
 
-    def _dominant(self) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    def _dominant(self) -> tuple[Complex, Complex]:
         """The slowest pole and its partner: its conjugate, or the next slowest real pole, or itself."""
         poles = self.poles()
         if poles.shape[-1] == 0:

@@ -16,14 +16,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Complex, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 
 from satvib_ident.models.continuous_model import ContinuousModel, from_tustin, from_zero_order_hold
 from satvib_ident.models.polynomials import pole_modulus, roots
-
-Array = NDArray[np.float64]
 
 
 @kernel('void(f8[:], f8[:], f8[:], f8[:], i8, f8[:], f8[:])', '(n),(m),(t),(t),(),(s)->(t)')
@@ -111,11 +110,11 @@ class IirModel:
         )
 
     # ---------------------------------------------------------------- poles, zeros, responses
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> Complex:
         """Poles in z, (..., n); NaN for an item with a coefficient that is not finite."""
         return roots(self.denominator)
 
-    def zeros(self) -> NDArray[np.complex128]:
+    def zeros(self) -> Complex:
         """Zeros in z, (..., m - 1), without the delay's; a zero at infinity (b1 = 0) is inf."""
         return roots(self.b)
 
@@ -123,11 +122,11 @@ class IirModel:
         """Largest modulus of the poles, (...); 0 without poles."""
         return np.asarray(pole_modulus(self.a))
 
-    def is_stable(self, radius: float = 1.0) -> NDArray[np.bool_]:
+    def is_stable(self, radius: float = 1.0) -> Mask:
         """Whether all poles lie inside the circle of `radius`, (...)."""
         return np.asarray(self.pole_modulus() < radius)
 
-    def frequency_response(self, frequency: ArrayLike) -> NDArray[np.complex128]:
+    def frequency_response(self, frequency: ArrayLike) -> Complex:
         """G(exp(j 2 pi f dt)), delay included.
 
         Args:

@@ -9,11 +9,11 @@ arithmetic, so the bits do not depend on the batch.
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Complex
 from satvib_common.kernels.compile import kernel
 
 
-def roots(coefficients: NDArray[np.float64]) -> NDArray[np.complex128]:
+def roots(coefficients: Array) -> Complex:
     """Roots in z of c0 + c1 z^-1 + ... + cn z^-n, (..., n), item by item.
 
     A leading zero coefficient means a root at infinity (inf); an item with a coefficient that is not finite gives
@@ -99,7 +99,7 @@ def _modulus(a, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     out[0] = modulus_of(a)
 
 
-def pole_modulus(a: NDArray[np.float64]) -> NDArray[np.float64]:
+def pole_modulus(a: Array) -> Array:
     """Largest modulus of the roots of 1 + a1 z^-1 + ... + an z^-n, (...).
 
     Args:

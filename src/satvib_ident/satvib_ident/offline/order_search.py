@@ -17,7 +17,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 
 from satvib_ident.estimators.extended import ExtendedLeastSquares
@@ -27,7 +28,6 @@ from satvib_ident.estimators.regressor import IirRegressor
 from satvib_ident.models.iir_model import IirModel
 from satvib_ident.offline.residuals import ResidualTests, residual_tests
 
-Array = NDArray[np.float64]
 METHODS = ('least_squares', 'extended', 'instrumental')
 CRITERIA = ('validation', 'bic', 'aic')
 TOLERANCE = 0.01  # of fit: a larger model must gain more than this on data it has not seen

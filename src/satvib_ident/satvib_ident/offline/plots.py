@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Complex
 from satvib_common.errors import SatvibError
 
 from satvib_ident.offline.order_search import OfflineResult
@@ -88,7 +88,7 @@ def pole_zero_figure(result: OfflineResult) -> 'Figure':
     return figure
 
 
-def _phase(response: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _phase(response: Complex) -> Array:
     """Unwrapped phase, degrees."""
     return np.degrees(np.unwrap(np.angle(response)))
 

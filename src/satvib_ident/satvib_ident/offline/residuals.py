@@ -14,10 +14,9 @@ L. Ljung, System Identification, 1999, section 16.6.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from scipy.special import chdtrc
 
-Array = NDArray[np.float64]
 NINETY_NINE = 2.5758293035489004
 
 

@@ -19,12 +19,10 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.kernels.compile import kernel
 
 from satvib_ident.parameters import IdentifierParameters
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @kernel('void(b1, b1, f8, f8, f8, f8, f8, f8, f8[:], i8[:])', '(),(),(),(),(),(),(),(),(l)->()')
@@ -67,7 +65,7 @@ class Verdict:
     response_deviation: Array
     model_error: Array
     whiteness: Array
-    failed: NDArray[np.int64]
+    failed: Integers
 
     @property
     def converged(self) -> Mask:

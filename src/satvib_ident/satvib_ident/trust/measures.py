@@ -15,11 +15,8 @@ G. M. Ljung and G. E. P. Box, On a measure of lack of fit in time series models,
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # What orthogonalization leaves below this share of the power is rounding; 1 Hz and 2 Hz sines at 1 kHz leave 2e-13.
 REST = 1e-24

@@ -24,11 +24,8 @@ L. Ljung, Model error modeling and control design, IFAC SYSID 2000.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 RIDGE = 1e-3
 HIDDEN = 0.5  # share of |G|^2 that noise may hide

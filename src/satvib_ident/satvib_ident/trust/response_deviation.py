@@ -14,11 +14,9 @@ at most 1, so a value of 0.25 leaves two deviations.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
-
-Array = NDArray[np.float64]
 
 
 @kernel(

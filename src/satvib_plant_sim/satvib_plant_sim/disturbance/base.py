@@ -17,11 +17,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 
-Array = NDArray[np.float64]
 Transfer = Callable[[float], float]
 
 

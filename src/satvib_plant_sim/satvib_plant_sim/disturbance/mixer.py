@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 from satvib_plant_sim.disturbance.base import Bank, Clock, Disturbance, Transfer
 
-Array = NDArray[np.float64]
 STREAM = 2  # of a trial's seed; 0 is the sensors' bias, 1 their noise
 
 

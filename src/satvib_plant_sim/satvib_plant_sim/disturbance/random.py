@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 from satvib_common.schema import param
@@ -21,7 +21,6 @@ from scipy.signal import fftconvolve, firwin
 
 from satvib_plant_sim.disturbance.base import Bank, Clock, Disturbance, Transfer
 
-Array = NDArray[np.float64]
 STOP_BAND = 60.0
 REACH = 8  # knots on either side of the interpolation
 

@@ -12,9 +12,9 @@ import time
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
+from satvib_common.arrays import Array
 from satvib_common.errors import RunError, SatvibError
 from satvib_common.ros.convert import check_period, plan_of, sample_stamp, set_stamp
 from satvib_common.ros.main import run_node
@@ -145,7 +145,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         since = max(now - self.zero - k * self.plant.dt, 0.0)
         self.commands.take(i, voltage, now, since, late=sequence < k)
 
-    def _advance(self, voltage: NDArray[np.float64], arrival: NDArray[np.float64] | None) -> None:
+    def _advance(self, voltage: Array, arrival: Array | None) -> None:
         """End the period of sample k; the next sample goes out first, for somebody waits for it."""
         k = self.k
         truth = self.plant.advance(voltage, arrival)

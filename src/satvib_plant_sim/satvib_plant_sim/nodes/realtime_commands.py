@@ -12,7 +12,7 @@ Times are s on any steady clock, given by the caller.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 _NEVER = -math.inf
 
@@ -67,7 +67,7 @@ class Commands:
         self._heard[:] = _NEVER
         self._wanted[:] = 0.0
 
-    def period_over(self, now: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def period_over(self, now: float) -> tuple[Array, Array]:
         """Give what the period that ends now has seen: voltages (struts) and their arrivals (struts, s)."""
         silent = (now - self._heard > self.timeout) & (self._heard > _NEVER)
         for strut in np.flatnonzero(silent & ~self.fault):

@@ -12,12 +12,10 @@ actuator (force constant 0) has a coil without a part in the motion.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 from satvib_plant_sim.physics.mechanics import mechanics
 from satvib_plant_sim.rig.rig import Rig
-
-Array = NDArray[np.float64]
 
 
 def stored_energy(rigs: Sequence[Rig], state: Array) -> Array:

@@ -22,11 +22,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 from satvib_plant_sim.rig.rig import Rig
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,14 +8,12 @@ K_0 = S^T diag(K_i) S,   det(K_0 - (2 pi f)^2 M) = 0   (lower plate held)
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from scipy.linalg import expm
 from scipy.optimize import least_squares
 
 from satvib_plant_sim.physics.mechanics import mechanics
 from satvib_plant_sim.rig.rig import Rig
-
-Array = NDArray[np.float64]
 
 
 def static_stiffness(rig: Rig) -> Array:

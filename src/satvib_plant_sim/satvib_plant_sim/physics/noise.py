@@ -14,14 +14,13 @@ only adds. The first state is drawn from the stationary covariance Q(infinity), 
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from scipy.linalg import cholesky
 
 from satvib_plant_sim.physics.matrix_exponential import exponential
 from satvib_plant_sim.physics.sensor_chain import noise_intensity, sensor_chain
 from satvib_plant_sim.rig.rig import Accelerometer, Acquisition, Rig
 
-Array = NDArray[np.float64]
 BLOCK = 128
 
 

@@ -12,11 +12,9 @@ white noise of intensity q at the sensor's input, its own output has the varianc
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 from satvib_plant_sim.rig.rig import Accelerometer, Acquisition
-
-Array = NDArray[np.float64]
 
 
 def sensor_chain(sensor: Accelerometer, acquisition: Acquisition) -> tuple[Array, Array, Array]:

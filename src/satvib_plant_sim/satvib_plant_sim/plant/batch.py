@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 import numpy as np
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema
 
@@ -67,9 +68,7 @@ def require_equal(label: str, values: set[float] | set[int]) -> None:
         raise SatvibError(f'plant: the rigs of a batch differ in {label}: {told}')
 
 
-def checked_voltage(
-    voltage: np.typing.ArrayLike, shape: tuple[int, ...], sequence: int
-) -> np.typing.NDArray[np.float64]:
+def checked_voltage(voltage: np.typing.ArrayLike, shape: tuple[int, ...], sequence: int) -> Array:
     """Give the voltages as an array of a shape (..., struts).
 
     Raises:

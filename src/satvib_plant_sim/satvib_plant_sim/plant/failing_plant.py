@@ -14,7 +14,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 
 from satvib_plant_sim.disturbance import Disturbance, make_disturbance
@@ -22,8 +23,6 @@ from satvib_plant_sim.plant.failures import ACTUATOR, CONTROLLER, DISTURBANCE, R
 from satvib_plant_sim.plant.observation import Sample, Truth
 from satvib_plant_sim.plant.plant import Plant
 from satvib_plant_sim.rig.any_rig import AnyPlant, AnyRig, make_plant
-
-Array = NDArray[np.float64]
 
 COMMAND_TIMEOUT = 0.05  # s, that of the plant's node
 
@@ -71,7 +70,7 @@ class FailingPlant:
         return self.plant.terminal_voltage
 
     @property
-    def dead(self) -> NDArray[np.bool_]:
+    def dead(self) -> Mask:
         """Where (*shape, struts) the controller is killed."""
         return self._dead.reshape(*self.shape, self.struts)
 

@@ -5,7 +5,8 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array
 from satvib_common.signals.iir_filter import IirFilter
 
 from satvib_plant_sim.disturbance import Disturbance
@@ -14,8 +15,6 @@ from satvib_plant_sim.physics.noise import NormalSource
 from satvib_plant_sim.plant.batch import checked_voltage, require_equal, trials_of
 from satvib_plant_sim.plant.observation import Sample, Truth
 from satvib_plant_sim.rig.identified_rig import IirRig, IirStrut
-
-Array = NDArray[np.float64]
 
 
 class IirPlant:

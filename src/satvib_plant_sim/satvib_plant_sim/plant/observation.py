@@ -4,10 +4,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from satvib_common.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array
 
 from satvib_plant_sim.disturbance import Disturbance
 from satvib_plant_sim.disturbance.mixer import Mixer
@@ -32,8 +33,6 @@ from satvib_plant_sim.responses.continuous import source_transfer
 from satvib_plant_sim.rig.rig import Rig
 from satvib_plant_sim.stepping.discretize import Discrete, discretize
 from satvib_plant_sim.stepping.period import advance_period
-
-Array = NDArray[np.float64]
 
 __all__ = ['Plant', 'Sample', 'Truth']
 

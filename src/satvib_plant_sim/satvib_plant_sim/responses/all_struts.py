@@ -15,14 +15,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Complex
 
 from satvib_plant_sim.responses.continuous import state_space
 from satvib_plant_sim.responses.one_strut import hold_taps
 from satvib_plant_sim.rig.rig import Rig
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Complex
 
 from satvib_plant_sim.physics.mechanics import mechanics
 from satvib_plant_sim.rig.rig import Rig
 from satvib_plant_sim.stepping.discretize import INPUTS, full_system
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ def state_space(rig: Rig) -> StateSpace:
     )
 
 
-def frequency_response(rig: Rig, frequency: ArrayLike) -> NDArray[np.complex128]:
+def frequency_response(rig: Rig, frequency: ArrayLike) -> Complex:
     """Give the response (..., outputs, inputs) of `state_space` at frequencies (...), Hz."""
     f = np.asarray(frequency, dtype=float)
     system = state_space(rig)

@@ -15,13 +15,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Complex
 
 from satvib_plant_sim.responses.continuous import state_space
 from satvib_plant_sim.rig.rig import Acquisition, Rig
 from satvib_plant_sim.stepping.discretize import transition
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,7 @@ class SampledModel:
     late: int
     dt: float
 
-    def response(self, frequency: ArrayLike) -> NDArray[np.complex128]:
+    def response(self, frequency: ArrayLike) -> Complex:
         """Give y/u (...) at frequencies (...), Hz."""
         f = np.asarray(frequency, dtype=float)
         found = []

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Complex
 
 from satvib_plant_sim.disturbance import Disturbance
 from satvib_plant_sim.physics.noise import noise_floor
@@ -64,15 +64,13 @@ def without_noise(rig: AnyRig) -> AnyRig:
     )
 
 
-def strut_response(
-    rig: AnyRig, strut: int, frequency: NDArray[np.float64]
-) -> NDArray[np.complex128]:
+def strut_response(rig: AnyRig, strut: int, frequency: Array) -> Complex:
     """Give the exact sampled response (f,) from a strut's voltage to its own reading, m/s^2 per V, at (f,) Hz."""
     if isinstance(rig, Rig):
         return discrete_strut_model(rig, strut).response(frequency)
     model = rig.models[strut]
     z = np.exp(-2j * np.pi * frequency * rig.acquisition.period)
-    response: NDArray[np.complex128] = (
+    response: Complex = (
         z**model.delay * np.polyval(model.b[::-1], z) / np.polyval([*model.a[::-1], 1.0], z)
     )
     return response

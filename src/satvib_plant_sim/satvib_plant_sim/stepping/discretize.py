@@ -21,14 +21,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 from satvib_plant_sim.physics.matrix_exponential import exponential
 from satvib_plant_sim.physics.mechanics import Mechanics, mechanics
 from satvib_plant_sim.physics.sensor_chain import sensor_chain
 from satvib_plant_sim.rig.rig import Rig
 
-Array = NDArray[np.float64]
 INPUTS = 16
 LANES = 4
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_control.laws.centralized.geometry import mode_matrix
 from satvib_experiment.scenario.centralized_scheme import strut_angles
@@ -23,7 +23,6 @@ from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.comparison.cases import OPEN, Comparison, drawn_rig
 
-Array = NDArray[np.float64]
 Progress = Callable[[str, int, int], None]
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 from satvib_studies.comparison.cases import OPEN
 from satvib_studies.comparison.runs import Outcome
@@ -19,7 +19,7 @@ _HEADINGS = {
 }
 
 
-def spread(values: NDArray[np.float64]) -> str:
+def spread(values: Array) -> str:
     """Median, and the best and the worst."""
     return f'{np.median(values):+.1f} ({values.min():+.1f} … {values.max():+.1f})'
 

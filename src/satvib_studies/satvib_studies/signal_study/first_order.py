@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_ident.estimators.continuous import (
     ContinuousLeastSquares,
     ContinuousRegressor,
@@ -17,8 +17,6 @@ from satvib_ident.estimators.continuous import (
 )
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares
 from satvib_ident.forgetting import CovarianceResetting
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

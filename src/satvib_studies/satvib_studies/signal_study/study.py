@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_common.schema import Schema, param
@@ -19,8 +19,6 @@ from satvib_ident.excitation import Excitation, make_excitation
 from satvib_ident.identifier import IdentifierCore
 from satvib_ident.models.iir_model import IirModel
 from satvib_ident.parameters import ESTIMATORS, IdentifierParameters
-
-Array = NDArray[np.float64]
 
 # the paper's text speaks of two sinusoids and of five signals; its experiment uses two squares
 STUDIED: dict[str, tuple[str, dict[str, object]]] = {

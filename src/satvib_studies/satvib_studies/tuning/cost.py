@@ -20,7 +20,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 from satvib_common.signals.integrator import leaky_integrator
@@ -32,8 +32,6 @@ from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.tuning.loop_cost import MARGIN, RESULTS, TILT, TURNS, VOLTS, W, loop_figures
 from satvib_studies.tuning.plants import gain_box, perturbed, spectrum_of
-
-Array = NDArray[np.float64]
 
 UNSTABLE = 1000.0
 
@@ -127,7 +125,7 @@ class TuningCost:
         return np.asarray(np.where(self.stable(f), J, astray[:, None]))
 
     @staticmethod
-    def stable(figures: Array) -> NDArray[np.bool_]:
+    def stable(figures: Array) -> Mask:
         """Whether the loops of figures (..., 7) are stable."""
         return np.asarray(np.abs(figures[..., TURNS]) < 0.5)
 

@@ -8,15 +8,13 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_control.laws.centralized.geometry import mode_matrix, strut_matrix
 from satvib_plant_sim.responses.all_struts import rig_response
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.tuning.search import Tuned
-
-Array = NDArray[np.float64]
 
 
 def closed_transmission(rig: Rig, gains: Array, corner: float, frequency: Array) -> Array:

@@ -26,10 +26,10 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 
-Array = NDArray[np.float64]
 Cost = Callable[[Array], Array]
 
 STREAM = 71

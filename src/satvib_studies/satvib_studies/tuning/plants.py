@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_plant_sim.disturbance import Disturbance
 from satvib_plant_sim.disturbance.combined import Sum
 from satvib_plant_sim.disturbance.mixer import Mixer
@@ -20,8 +20,6 @@ from satvib_plant_sim.physics.modes import modal_frequencies
 from satvib_plant_sim.responses.continuous import frequency_response, source_transfer
 from satvib_plant_sim.rig.rig import Rig
 from scipy.signal import welch
-
-Array = NDArray[np.float64]
 
 STREAM = 72
 _SPACING = 0.25  # Hz

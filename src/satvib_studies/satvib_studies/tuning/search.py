@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, load_yaml, param, parse_yaml
 from satvib_plant_sim.disturbance import Disturbance, make_disturbance
@@ -28,8 +28,6 @@ from satvib_studies.tuning.cost import CostSettings, TuningCost
 from satvib_studies.tuning.loop_cost import MARGIN, VOLTS
 from satvib_studies.tuning.particle_swarm import ParticleSwarm, SwarmResult, SwarmSettings
 from satvib_studies.tuning.swarm_checkpoint import restore
-
-Array = NDArray[np.float64]
 
 UNTUNED = 550.0 / 9.80665
 NAMES = ('gains_p', 'gains_i', 'gains_d')

@@ -12,10 +12,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-
-Array = NDArray[np.float64]
 
 
 def strut_matrix(angles: Sequence[float]) -> Array:

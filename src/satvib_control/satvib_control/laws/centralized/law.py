@@ -17,12 +17,13 @@ One missing sensor leaves no mode known: the law gives 0 V to all struts for tha
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 from satvib_common.phases import Phase
 from satvib_common.signals.integrator import leaky_integrator
 
-from satvib_control.laws.base import Array, BasicLaw, LawInput, Mask
+from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.centralized.geometry import mode_matrix, strut_matrix
 from satvib_control.laws.reasons import reason
 

@@ -22,10 +22,10 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.phases import Phase
 
-from satvib_control.laws.base import Array, BasicLaw, LawInput, Mask
+from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.feedforward import backoff as watching
 from satvib_control.laws.feedforward.backoff import watch
 from satvib_control.laws.feedforward.filtered_u import stabilize
@@ -156,9 +156,9 @@ class Feedforward(BasicLaw):
         state.reason = self._why(verdict, loud, x.saturated & acted)
         return self._demand
 
-    def _why(self, verdict: Array, loud: Mask, saturated: Mask) -> NDArray[np.int64]:
+    def _why(self, verdict: Array, loud: Mask, saturated: Mask) -> Integers:
         """Code of the reason, the gravest last."""
-        why: NDArray[np.int64] = np.where(loud, np.where(saturated, SATURATED, 0), SMALL)
+        why: Integers = np.where(loud, np.where(saturated, SATURATED, 0), SMALL)
         backing = (verdict == watching.FADE) | (verdict == watching.RESTART)
         for case, code in (
             (verdict == watching.LISTEN, LISTENING), (backing, BACKED_OFF),

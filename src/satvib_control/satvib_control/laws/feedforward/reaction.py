@@ -24,14 +24,11 @@ the law raises its leak where it would be passed.
 """
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
 
 from satvib_control.laws.feedforward.fxrls import fxrls
 from satvib_control.laws.feedforward.regressor_kernel import inner
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # Of the estimation: no pace, the least leak that keeps a badly excited filter small, a memory of 1e5 samples.
 SETTINGS = (1.0, 1e-6, 1e-5, 0.0)

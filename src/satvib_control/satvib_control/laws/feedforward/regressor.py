@@ -11,8 +11,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from satvib_common.arrays import Array, Mask
 
-from satvib_control.laws.base import Array, Mask
 from satvib_control.laws.feedforward.reaction import FREQUENCIES
 from satvib_control.laws.feedforward.regressor_kernel import (
     MOTION,

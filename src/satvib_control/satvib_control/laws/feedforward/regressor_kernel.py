@@ -24,10 +24,8 @@ import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
-
-Array = NDArray[np.float64]
 
 SCALE = 2.0 * math.pi * 10.0
 MOTION = 3  # states of the motion filters

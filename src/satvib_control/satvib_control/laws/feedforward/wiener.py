@@ -25,7 +25,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 
 from satvib_control.laws.feedforward.regressor_kernel import count, run_line
@@ -33,8 +34,6 @@ from satvib_control.laws.feedforward.regressor_kernel import motion_coefficients
 
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -37,11 +37,12 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from satvib_common.arrays import Array, Mask
 from satvib_common.phases import Phase
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_ident.models.iir_model import IirModel
 
-from satvib_control.laws.base import Array, BasicLaw, LawInput, Mask
+from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.model_reference import step as place
 from satvib_control.laws.model_reference.adaptation import move
 from satvib_control.laws.model_reference.reference_model import designed_model

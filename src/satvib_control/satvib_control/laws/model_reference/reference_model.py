@@ -12,13 +12,11 @@ sampled by Tustin's rule with the frequency w kept, and late by the model's inpu
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Complex
 from satvib_ident.models.iir_model import IirModel
 
 
-def designed_model(
-    model: IirModel, w: float, damping: float, poles: NDArray[np.complex128]
-) -> NDArray[np.float64]:
+def designed_model(model: IirModel, w: float, damping: float, poles: Complex) -> Array:
     """Give numerator and denominator in z^-1, (*shape, 2, 3 + delay).
 
     Args:

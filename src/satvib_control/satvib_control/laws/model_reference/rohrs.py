@@ -13,7 +13,7 @@ The gains move by `satvib_control.laws.model_reference.adaptation`; the plant is
 """
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from scipy.linalg import expm
 
 from satvib_control.laws.model_reference.adaptation import move
@@ -30,7 +30,7 @@ def simulate(
     sigma: float = 0.0,
     nu: float = 0.0,
     bound: float = np.inf,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Array, Array]:
     """Run the example until its end, or until it bursts.
 
     Args:

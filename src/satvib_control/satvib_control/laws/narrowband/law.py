@@ -35,9 +35,10 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from satvib_common.arrays import Array, Mask
 from satvib_common.phases import Phase
 
-from satvib_control.laws.base import Array, BasicLaw, LawInput, Mask
+from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.narrowband import step as nk
 from satvib_control.laws.narrowband import tracker as tt
 from satvib_control.laws.narrowband.margin import margin_grid

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 from satvib_control.laws.narrowband.model_correction import correction
 from satvib_control.laws.narrowband.tracker import (
@@ -42,7 +42,6 @@ from satvib_control.model_analysis.transfer import model_polynomials, respond
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
 
-Array = NDArray[np.float64]
 UNIFORM = 96
 
 

@@ -13,10 +13,8 @@ by scaling and squaring in units of dt.
 """
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
-
-Array = NDArray[np.float64]
 
 
 @kernel('void(f8[:], f8[:], f8, f8[:])', '(p),(q),()->(q)')

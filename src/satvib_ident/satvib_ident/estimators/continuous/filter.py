@@ -11,12 +11,10 @@ sample (a measurement).
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 from scipy.linalg import expm
-
-Array = NDArray[np.float64]
 
 
 @kernel(
@@ -86,7 +84,7 @@ class StateVariableFilter:
         self._before = np.asarray(x, dtype=float).copy()
         return np.asarray(out)
 
-    def clear(self, mask: NDArray[np.bool_] | bool = True) -> None:
+    def clear(self, mask: Mask | bool = True) -> None:
         """Start from rest where `mask` (shape) holds."""
         where = np.asarray(mask)
         self._state[...] = np.where(where[..., None], 0.0, self._state)

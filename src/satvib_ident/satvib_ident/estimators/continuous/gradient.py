@@ -15,15 +15,13 @@ direction lets it.
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 
 from satvib_ident.covariance import ud
 from satvib_ident.estimators.least_squares import REFUSED, UPDATES, RecursiveLeastSquares
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @kernel('void(f8[:], f8, f8, b1, f8[:], b1[:])', '(p),(),(),(),(p)->()', writable=('theta',))

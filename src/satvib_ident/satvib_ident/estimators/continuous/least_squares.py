@@ -17,16 +17,14 @@ drift of P off symmetry, one implementation. Covariance resetting (after Eq. 17)
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 
 from satvib_ident.covariance import ud
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares
 from satvib_ident.forgetting import Forgetting
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @kernel('void(f8[:], f8, f8, f8[:,:], f8[:], f8[:])', '(p),(),(),(p,p),(p)->()')

@@ -14,14 +14,11 @@ frequency at least.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 
 from satvib_ident.estimators.continuous.discretize import discretize, discretized_covariance
 from satvib_ident.estimators.continuous.filter import StateVariableFilter
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 class ContinuousRegressor:

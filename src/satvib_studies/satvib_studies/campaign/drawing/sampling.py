@@ -14,7 +14,7 @@ import warnings
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from satvib_common.arrays import Array
 
 from satvib_studies.campaign.settings import Campaign
 
@@ -23,7 +23,7 @@ STREAM = 3  # of a campaign's seed
 _EDGE = 2.0**-40
 
 
-def unit_points(campaign: Campaign) -> NDArray[np.float64]:
+def unit_points(campaign: Campaign) -> Array:
     """Give the points (trials, parameters), inside (0, 1)."""
     from scipy.stats import qmc  # slow to import, and what is wrong with a file should show at once
 
@@ -38,7 +38,7 @@ def unit_points(campaign: Campaign) -> NDArray[np.float64]:
         with warnings.catch_warnings():
             warnings.simplefilter('ignore', UserWarning)
             points = qmc.LatinHypercube(dimensions, rng=rng).random(campaign.trials)
-    inside: NDArray[np.float64] = np.clip(points, _EDGE, 1.0 - _EDGE)
+    inside: Array = np.clip(points, _EDGE, 1.0 - _EDGE)
     return inside
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.arrays import Array, Integers
 from satvib_common.phases import Phase
 from satvib_control.laws.reasons import text_of
 from satvib_experiment.analysis.tones import disturbance_onset, disturbance_tones
@@ -30,7 +31,6 @@ from satvib_studies.campaign.measures.metrics_kernel import (
 if TYPE_CHECKING:
     from satvib_experiment.twin.closed_loop import ClosedLoop, LoopStep
 
-Array = NDArray[np.float64]
 
 _SOURCES = ('true', 'measured')
 WINDOWS = ('uncontrolled', 'controlled')
@@ -156,6 +156,6 @@ def _spread(table: dict[str, NDArray[Any]], name: str, values: Array) -> None:
         table[f'{name}_{i + 1}'] = np.ascontiguousarray(values[:, i])
 
 
-def _told(codes: NDArray[np.int64]) -> str:
+def _told(codes: Integers) -> str:
     """What the struts say at the end, each text once."""
     return '; '.join(dict.fromkeys(text_of(code) for code in codes if code))

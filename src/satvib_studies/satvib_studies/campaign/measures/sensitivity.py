@@ -19,9 +19,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from scipy.stats import rankdata
 
-Array = NDArray[np.float64]
 _SMALLEST = 8  # values of a group
 
 

@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_experiment.report.style import FAINT, INK, MEASURED, OPEN, TRUE, figure, legend
 
 from satvib_studies.campaign.measures.sensitivity import Sensitivity, groups_of
-
-Array = NDArray[np.float64]
 
 SPREAD = (
     'How many trials stay below a value: the worst strut of every trial, as measured by the loop and as it really is. '

@@ -14,6 +14,7 @@ import numpy as np
 import pyarrow as pa
 import yaml
 from numpy.typing import NDArray
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.whole_file import write_whole
 from satvib_experiment.report.page import number, significant
@@ -82,13 +83,13 @@ def summarize(plan: TrialPlan, table: pa.Table) -> dict[str, Any]:
     }
 
 
-def _of(table: pa.Table, name: str) -> NDArray[np.float64]:
+def _of(table: pa.Table, name: str) -> Array:
     if name not in table.column_names:
         return np.full(table.num_rows, np.nan)
     return column(table, name).astype(float)
 
 
-def _spread(values: NDArray[np.float64]) -> list[float | None]:
+def _spread(values: Array) -> list[float | None]:
     good = values[np.isfinite(values)]
     return [float(v) for v in np.percentile(good, _POINTS)] if len(good) else [None] * len(_POINTS)
 
