@@ -64,6 +64,29 @@ def test_a_source_file_keeps_the_rules(path):
             assert module.startswith(SHARED_IDENTIFICATION), f'control may not import {module}'
 
 
+def test_only_compiled_functions_have_no_types():
+    """Numba gives a compiled function its types; for any other they are written down. See pyproject.toml."""
+    compiled = ('njit', 'kernel', 'intrinsic')
+    found = []
+    for path in SOURCES:
+        tree = ast.parse(path.read_text())
+        inside = {
+            id(part)
+            for node in ast.walk(tree)
+            if isinstance(node, ast.FunctionDef)
+            and any(ast.unparse(d).startswith(compiled) for d in node.decorator_list)
+            for part in ast.walk(node)
+        }
+        for node in ast.walk(tree):
+            if (
+                isinstance(node, ast.FunctionDef)
+                and node.returns is None
+                and id(node) not in inside
+            ):
+                found.append(f'{path.relative_to(ROOT)}:{node.lineno}: {node.name}')
+    assert not found
+
+
 def test_messages_put_the_header_first_and_explain_every_field():
     """Every field stands under a comment; the first field is the header."""
     for path in sorted((ROOT / 'src/satvib_msgs/msg').glob('*.msg')):

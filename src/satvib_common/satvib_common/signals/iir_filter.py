@@ -10,7 +10,7 @@ from satvib_common.kernels.compile import kernel
 
 
 @kernel('void(f8[:], f8[:], f8[:], f8, f8[:])', '(m),(m),(k),()->()', writable=('state',))
-def iir_step(b, a, state, x, y):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def iir_step(b, a, state, x, y):
     """One sample of a direct form II transposed filter; `state` (m - 1, at least 1) changes in place.
 
     `a` and `b` have equal length and a[0] is 1.

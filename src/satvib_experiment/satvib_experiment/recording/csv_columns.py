@@ -6,6 +6,7 @@ import csv
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 from satvib_common.arrays import Array
@@ -35,7 +36,7 @@ def read_columns(path: Path, names: Sequence[str]) -> list[Array]:
         raise SatvibError(f'{path}: cannot be read as CSV: {reason}') from None
 
 
-def _read(source, path: Path, names: Sequence[str]) -> list[Array]:  # type: ignore[no-untyped-def]  # noqa: ANN001
+def _read(source: TextIO, path: Path, names: Sequence[str]) -> list[Array]:
     first = source.readline()
     if not first.strip():
         raise SatvibError(f'{path}: is empty; a header line with column names is expected')

@@ -12,7 +12,7 @@ from satvib_common.kernels.compile import kernel
 
 
 @njit(inline='always')
-def rotate(A, V):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def rotate(A, V):
     """Make A diagonal in place; rows of V, if it has any, turn with it."""
     p = A.shape[0]
     for _ in range(30):
@@ -53,7 +53,7 @@ def rotate(A, V):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @njit(inline='always')
-def _jacobi(A):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _jacobi(A):
     """Smallest and largest eigenvalue; A is used up."""
     p = A.shape[0]
     rotate(A, A[:0])
@@ -66,7 +66,7 @@ def _jacobi(A):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
 
 
 @kernel('void(f8[:,:], f8[:,:], f8[:], f8[:])', '(p,p)->(p,p),(),()')
-def _extremes(A, work, low, high):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _extremes(A, work, low, high):
     p = A.shape[0]
     for i in range(p):
         for j in range(p):
@@ -75,7 +75,7 @@ def _extremes(A, work, low, high):  # type: ignore[no-untyped-def]  # noqa: ANN0
 
 
 @kernel('void(f8[:,:], f8[:], f8[:,:], f8[:,:], f8[:], f8[:])', '(p,p),(p)->(p,p),(p,p),(),()')
-def _information(U, d, inverse, R, low, high):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _information(U, d, inverse, R, low, high):
     p = d.shape[0]
     for j in range(p):  # columns of U^-1
         for i in range(p):
@@ -101,7 +101,7 @@ def _information(U, d, inverse, R, low, high):  # type: ignore[no-untyped-def]  
 
 
 @njit(inline='always')
-def is_positive(A, slack):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def is_positive(A, slack):
     """Whether all pivots of a symmetric matrix are above `slack`, so that it is positive definite.
 
     The upper triangle is looked at and used up.

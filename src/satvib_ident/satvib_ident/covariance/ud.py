@@ -29,7 +29,7 @@ LARGEST = 1e150
 
 
 @njit(inline='always')
-def measure_one(w, error, scale, theta, U, d, gain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def measure_one(w, error, scale, theta, U, d, gain):
     """Bierman's update of P * scale for one item; gives alpha, or -1 and changes nothing but `gain`."""
     p = d.shape[0]
     for j in range(p):  # gain holds f = U^T w until its turn comes; look before anything is changed
@@ -68,7 +68,7 @@ def measure_one(w, error, scale, theta, U, d, gain):  # type: ignore[no-untyped-
 
 
 @njit(inline='always')
-def add_one(c, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def add_one(c, U, d, work):
     """P <- P + c v v^T for one item; `work` holds v and is used up."""
     for j in range(d.shape[0] - 1, -1, -1):
         s = work[j]
@@ -86,7 +86,7 @@ def add_one(c, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN
 
 
 @njit(inline='always')
-def trace_of(U, d):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def trace_of(U, d):
     """Trace of P."""
     total = 0.0
     for j in range(d.shape[0]):
@@ -98,7 +98,7 @@ def trace_of(U, d):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @njit(inline='always')
-def grown_scale(forgetting, limit, U, d):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def grown_scale(forgetting, limit, U, d):
     """1 / lambda, with lambda raised where forgetting would take the trace of P beyond its limit."""
     if forgetting < 1.0:
         return 1.0 / max(forgetting, min(1.0, trace_of(U, d) / limit))
@@ -110,7 +110,7 @@ def grown_scale(forgetting, limit, U, d):  # type: ignore[no-untyped-def]  # noq
     '(p),(),(),(),(),(p),(p,p),(p)->(p),()',
     writable=('theta', 'U', 'd'),
 )
-def measure(w, error, forgetting, limit, active, theta, U, d, gain, alpha):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def measure(w, error, forgetting, limit, active, theta, U, d, gain, alpha):
     """One recursive least-squares update of (theta, U, d), in place.
 
     Args:
@@ -137,7 +137,7 @@ def measure(w, error, forgetting, limit, active, theta, U, d, gain, alpha):  # t
 
 
 @njit(inline='always')
-def forget_one(directions, forgetting, limit, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def forget_one(directions, forgetting, limit, U, d, work):
     """Forget in a subspace only, for one item: see `forget_within`."""
     rows, p = directions.shape
     grown = trace_of(U, d)
@@ -185,7 +185,7 @@ def forget_one(directions, forgetting, limit, U, d, work):  # type: ignore[no-un
     '(r,p),(),(),(),(p,p),(p)->(r,p)',
     writable=('U', 'd'),
 )
-def forget_within(directions, forgetting, limit, active, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def forget_within(directions, forgetting, limit, active, U, d, work):
     """Forget in a subspace only: P <- P + (1/lambda - 1) V (V^T P^-1 V)^-1 V^T, in place.
 
     The directions are made orthogonal in the sense of P^-1 one after the other (modified Gram-Schmidt on U^-1 v), so
@@ -207,7 +207,7 @@ def forget_within(directions, forgetting, limit, active, U, d, work):  # type: i
 
 
 @kernel('void(f8[:], f8[:], f8[:])', '(p),(p)->()')
-def dot(a, b, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def dot(a, b, out):
     """a^T b, (), summed in order."""
     total = 0.0
     for i in range(a.shape[0]):
@@ -216,7 +216,7 @@ def dot(a, b, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @kernel('void(f8[:,:], f8[:], f8[:,:])', '(p,p),(p)->(p,p)')
-def _assemble(U, d, P):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _assemble(U, d, P):
     p = d.shape[0]
     lift = 1.0 + 1.8e-15 * p * p
     for i in range(p):

@@ -26,7 +26,7 @@ from satvib_ident.forgetting import Forgetting
     '(p),(),(),(c),(q)->(q),(),()',
     writable=('residual',),
 )
-def _extend(w, y, active, residual, theta, extended, error, use):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _extend(w, y, active, residual, theta, extended, error, use):
     """Form w_x and its prediction error; an output that is not finite is not used, and breaks the residuals."""
     p = w.shape[0]
     known = abs(y) < np.inf
@@ -45,7 +45,7 @@ def _extend(w, y, active, residual, theta, extended, error, use):  # type: ignor
     '(q),(),(q),(c),(s)->()',
     writable=('residual', 'peak'),
 )
-def _leave(extended, y, theta, residual, peak, left):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _leave(extended, y, theta, residual, peak, left):
     """Keep the residual r(k), no larger than the signal itself has been; `peak` is that, (1)."""
     shown = 0.0
     for i in range(theta.shape[0]):

@@ -38,7 +38,9 @@ STABLE = 0.995  # an auxiliary model beyond this radius would remember its own m
     '(p),(),(p),(t),(),(),(c),(p),(p),(k,n),(h),(s)->(p),(p),(),(),()',
     writable=('model', 'past', 'uf', 'age'),
 )
-def _filter(w, y, latest, helper, first, helped, settings, theta, model, past, uf, age, z, wf, yf, error, use):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202  # fmt: skip
+def _filter(
+    w, y, latest, helper, first, helped, settings, theta, model, past, uf, age, z, wf, yf, error, use
+):  # fmt: skip
     """Form z, w_f, y_f and the prediction error of one sample, and whether it may be used.
 
     Args:
@@ -115,7 +117,7 @@ def _filter(w, y, latest, helper, first, helped, settings, theta, model, past, u
 
 
 @njit(inline='always')
-def _eliminate(A, bound):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _eliminate(A, bound):
     """Solve the system (p, p + 1) by elimination with threshold pivots on equilibrated rows.
 
     The last column becomes theta. Gives False where the system is singular or the solution is larger than `bound`.
@@ -163,7 +165,7 @@ def _eliminate(A, bound):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN20
     '(p),(p),(),(),(),(p),(t),(c),(p),(p,q),(p,q)->()',
     writable=('theta', 'R'),
 )
-def _solve(z, wf, yf, kept, used, latest, tally, settings, theta, R, work, solved):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _solve(z, wf, yf, kept, used, latest, tally, settings, theta, R, work, solved):
     """Add a sample to [R r] (p, p + 1) and solve R theta = r.
 
     `latest` is the estimate until there are samples enough (`settings[0]`). Where R is singular, or the solution a

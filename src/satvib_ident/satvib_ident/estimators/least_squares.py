@@ -31,7 +31,7 @@ UPDATES, REFUSED, RESIDUALS, WEIGHT = range(4)  # the places of a tally
 
 
 @kernel('void(f8[:], f8, b1, f8[:], f8[:], b1[:])', '(p),(),(),(p)->(),()')
-def _predict(w, y, active, theta, error, use):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _predict(w, y, active, theta, error, use):
     """Prediction error of one sample, and whether it may be used."""
     shown = 0.0
     for i in range(w.shape[0]):
@@ -45,7 +45,7 @@ def _predict(w, y, active, theta, error, use):  # type: ignore[no-untyped-def]  
     '(p),(),(),(),(),(p),(p,p),(p),(t)->(p),(),()',
     writable=('theta', 'U', 'd', 'tally'),
 )
-def _learn(w, error, forgotten, limit, use, theta, U, d, tally, gain, kept, used):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _learn(w, error, forgotten, limit, use, theta, U, d, tally, gain, kept, used):
     """Eqs. (25)-(27) and the tally of one sample; gives K(k), lambda, and whether the sample was used."""
     used[0] = False
     kept[0] = 1.0

@@ -42,7 +42,7 @@ DEVIATIONS = 2.0
     '(p),(),(),(c),(),(),(t),(p,p),(o),(l),(s),(p,p),(p),(k,p,p)->(),()',
     writable=('S', 'sure', 'ring', 'state', 'U', 'd'),
 )
-def _renew(w, error, active, settings, floor, limit, test, S, sure, ring, state, U, d, work, kept, used):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202  # fmt: skip
+def _renew(w, error, active, settings, floor, limit, test, S, sure, ring, state, U, d, work, kept, used):  # fmt: skip
     """Move S on, and forget where it reaches.
 
     Args:

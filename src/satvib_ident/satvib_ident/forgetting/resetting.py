@@ -25,7 +25,7 @@ from satvib_ident.forgetting.protocol import Factors
     '(),(),(),(p,p),(p),(p,p)->()',
     writable=('U', 'd'),
 )
-def _reset(active, threshold, covariance, U, d, work, due):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _reset(active, threshold, covariance, U, d, work, due):
     """Reset (U, d) where lambda_min is below the threshold; `work`, one for all items, is of no use after."""
     p = d.shape[0]
     due[0] = False

@@ -27,7 +27,7 @@ from satvib_ident.forgetting.protocol import Factors
 
 
 @njit(inline='always')
-def push_square(error, n, ring, state):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def push_square(error, n, ring, state):
     """Push e^2 into the windows, the recent one of n.
 
     `state`: samples held, next place, sum of the short window, sum of the long one.
@@ -63,7 +63,7 @@ def push_square(error, n, ring, state):  # type: ignore[no-untyped-def]  # noqa:
 
 
 @njit(inline='always')
-def tested_factor(error, active, settings, ring, state):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def tested_factor(error, active, settings, ring, state):
     """Push an error where active, and give lambda; `settings` as in `VariableRateForgetting.settings`."""
     size = ring.shape[0]
     n = int(settings[0])
@@ -83,7 +83,7 @@ def tested_factor(error, active, settings, ring, state):  # type: ignore[no-unty
     '(),(),(c),(w),(s)->()',
     writable=('ring', 'state'),
 )
-def _factor(error, active, settings, ring, state, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _factor(error, active, settings, ring, state, out):
     out[0] = tested_factor(error, active, settings, ring, state)
 
 

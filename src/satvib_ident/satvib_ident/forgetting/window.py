@@ -23,7 +23,7 @@ ROUNDS = 4.0  # after which the factors are built up again
 
 
 @njit(inline='always')
-def _remove(w, y, theta, U, d, work):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _remove(w, y, theta, U, d, work):
     """Take a sample out of (theta, P); gives False, and changes nothing, where rounding would decide."""
     p = d.shape[0]
     share = 0.0
@@ -53,7 +53,7 @@ def _remove(w, y, theta, U, d, work):  # type: ignore[no-untyped-def]  # noqa: A
     '(p),(),(),(p),(p),(s,q),(c),(p),(p,p),(p)->(p),(),()',
     writable=('ring', 'state', 'theta', 'U', 'd'),
 )
-def _slide(w, error, active, theta0, P0, ring, state, theta, U, d, work, rest, used):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _slide(w, error, active, theta0, P0, ring, state, theta, U, d, work, rest, used):
     """Make room for a sample in a window: take the oldest out of (theta, U, d), and remember the new one.
 
     Every fourth round, and where a removal is too close to singular, everything is built up again from the samples

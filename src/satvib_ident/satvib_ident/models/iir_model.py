@@ -26,7 +26,7 @@ from satvib_ident.models.polynomials import pole_modulus, roots
 
 
 @kernel('void(f8[:], f8[:], f8[:], f8[:], i8, f8[:], f8[:])', '(n),(m),(t),(t),(),(s)->(t)')
-def _run(a, b, u, y, one_step, start, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _run(a, b, u, y, one_step, start, out):
     """Run the difference equation over a record; `u` is already delayed.
 
     The first outputs are those of `start`; `one_step` uses the measured `y` instead of the model's own past.

@@ -33,7 +33,7 @@ def roots(coefficients: Array) -> Complex:
 
 
 @njit(inline='always')
-def _within(a, radius, c):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _within(a, radius, c):
     """Schur-Cohn for the circle of a radius; `c` (n) is used up."""
     n = a.shape[0]
     scale = 1.0
@@ -54,7 +54,7 @@ def _within(a, radius, c):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN2
 
 
 @njit(inline='always')
-def modulus_of(a):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def modulus_of(a):
     """Largest modulus of the roots of one polynomial; see `pole_modulus`."""
     n = a.shape[0]
     bound = 0.0
@@ -82,7 +82,7 @@ def modulus_of(a):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @njit(inline='always')
-def inside(a, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def inside(a, radius):
     """Whether all roots of one polynomial 1 + a1 z^-1 + ... lie inside a circle."""
     n = a.shape[0]
     for i in range(n):
@@ -95,7 +95,7 @@ def inside(a, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @kernel('void(f8[:], f8[:])', '(n)->()')
-def _modulus(a, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _modulus(a, out):
     out[0] = modulus_of(a)
 
 

@@ -26,7 +26,7 @@ from satvib_ident.parameters import IdentifierParameters
 
 
 @kernel('void(b1, b1, f8, f8, f8, f8, f8, f8, f8[:], i8[:])', '(),(),(),(),(),(),(),(),(l)->()')
-def _failed(few, finite, modulus, order, condition, deviation, error, colour, limits, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _failed(few, finite, modulus, order, condition, deviation, error, colour, limits, out):
     """Number of the first check that fails, 0 if none.
 
     What is not known (NaN: an estimator without covariance, a window not filled) fails none but the one on poles.

@@ -23,7 +23,7 @@ REST = 1e-24
 
 
 @kernel('void(f8, b1, f8[:], f8[:], f8[:])', '(),(),(v),(s)->()', writable=('ring', 'state'))
-def _push(value, active, ring, state, held):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _push(value, active, ring, state, held):
     """Put a value into a ring that holds everything twice, so that the window always lies in one piece.
 
     `state` is the number held and the next place.
@@ -39,7 +39,7 @@ def _push(value, active, ring, state, held):  # type: ignore[no-untyped-def]  # 
 
 
 @njit
-def _products(x, first, sums):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _products(x, first, sums):
     """Sums over k >= first of x(k) x(k - j), j = 0..; k - j may reach back before `first`, not before 0."""
     lags = sums.shape[0]
     for j in range(lags):
@@ -51,7 +51,7 @@ def _products(x, first, sums):  # type: ignore[no-untyped-def]  # noqa: ANN001, 
 
 
 @kernel('void(f8[:], f8[:], f8, f8[:])', '(v),(s),()->()')
-def _order(ring, state, most, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _order(ring, state, most, out):
     size = ring.shape[0] // 2
     held = int(state[0])
     limit = min(int(most), held // 2)
@@ -89,7 +89,7 @@ def _order(ring, state, most, out):  # type: ignore[no-untyped-def]  # noqa: ANN
 
 
 @kernel('void(f8[:], f8[:], f8[:], f8[:], f8[:])', '(v),(s),(l)->(l),()')
-def _whiteness(ring, state, like, sums, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _whiteness(ring, state, like, sums, out):
     size = ring.shape[0] // 2
     held = int(state[0])
     lags = like.shape[0] - 1

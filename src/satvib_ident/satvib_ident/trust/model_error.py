@@ -34,7 +34,7 @@ HIDDEN = 0.5  # share of |G|^2 that noise may hide
 @kernel(
     'void(f8, f8, b1, f8[:,:], f8[:], f8[:])', '(),(),(),(t,v),(s)->()', writable=('ring', 'state')
 )
-def _push(y, u, active, ring, state, held):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _push(y, u, active, ring, state, held):
     """Put a pair into a ring that holds everything twice; `state` is the number held and the next place."""
     if active:
         size = ring.shape[1] // 2
@@ -53,7 +53,7 @@ def _push(y, u, active, ring, state, held):  # type: ignore[no-untyped-def]  # n
     '(p),(t,v),(s),(f,l),(f,l),(q),(l,l),(t,l)->(l),()',
     writable=('R',),
 )
-def _error(theta, ring, state, cosine, sine, orders, R, work, h, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _error(theta, ring, state, cosine, sine, orders, R, work, h, out):
     n, m = int(orders[0]), int(orders[1])
     lags = R.shape[0]
     size = ring.shape[1] // 2

@@ -23,7 +23,7 @@ from satvib_common.kernels.compile import kernel
     'void(f8[:], f8[:,:], f8[:,:], f8[:,:], f8[:], f8[:], f8[:])',
     '(p),(p,p),(f,l),(f,l),(q)->(f),()',
 )
-def _deviation(theta, covariance, cosine, sine, orders, each, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _deviation(theta, covariance, cosine, sine, orders, each, out):
     n = int(orders[0])
     m = int(orders[1])
     worst = 0.0

@@ -26,7 +26,7 @@ REACH = 8  # knots on either side of the interpolation
 
 
 @kernel('void(f8[:],f8[:],f8[:,:],f8,f8[:],f8[:])', '(p),(b),(m,w),(),(f)->(f)')
-def random_values(p, knots, weights, first, grid, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def random_values(p, knots, weights, first, grid, out):
     """p: start, stop, fine steps per knot, index of knots[0]."""
     width = weights.shape[1]
     per_knot = int(p[2])

@@ -22,7 +22,7 @@ from satvib_plant_sim.disturbance.base import Disturbance, Transfer
 
 
 @kernel('void(f8[:],f8,f8[:],f8[:])', '(p),(),(f)->(f)')
-def wheel_values(p, first, grid, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def wheel_values(p, first, grid, out):
     """p: start, stop, period, W_0, W_1 (rad/s), ramp start, ramp time; then C, h, phase of each harmonic."""
     for j in range(grid.shape[0]):
         n = first + grid[j]

@@ -21,7 +21,7 @@ PULSE, TRAPEZOID, BURST = 0.0, 1.0, 2.0
 
 
 @kernel('void(f8[:],f8,f8[:],f8[:])', '(p),(),(f)->(f)')
-def shape_values(p, first, grid, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def shape_values(p, first, grid, out):
     """p: start, stop, period; repetition in s (0: once), which shape, amplitude, then three numbers."""
     for j in range(grid.shape[0]):
         n = first + grid[j]

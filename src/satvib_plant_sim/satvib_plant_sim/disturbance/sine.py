@@ -13,7 +13,7 @@ from satvib_plant_sim.disturbance.base import Disturbance, Transfer
 
 
 @kernel('void(f8[:],f8,f8[:],f8[:])', '(p),(),(f)->(f)')
-def sine_values(p, first, grid, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def sine_values(p, first, grid, out):
     """p: start, stop, period, then amplitude, rad/s and rad of each tone."""
     for j in range(grid.shape[0]):
         n = first + grid[j]

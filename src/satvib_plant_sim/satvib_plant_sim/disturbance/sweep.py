@@ -18,7 +18,7 @@ from satvib_plant_sim.disturbance.base import Disturbance, Transfer
 
 
 @kernel('void(f8[:],f8,f8[:],f8[:])', '(p),(),(f)->(f)')
-def sweep_values(p, first, grid, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def sweep_values(p, first, grid, out):
     """p: start, stop, period, amplitude, f_0, f_1, D, ln r (0: linear)."""
     for j in range(grid.shape[0]):
         n = first + grid[j]

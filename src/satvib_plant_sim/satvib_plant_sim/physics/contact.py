@@ -20,7 +20,7 @@ BISECTIONS = 60
 
 
 @njit
-def stop_force(s0, s1, limit, stiffness, damping_per_step):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def stop_force(s0, s1, limit, stiffness, damping_per_step):
     """Force (N) of both stops of a strut that goes from s0 to s1 (m) in one step."""
     total = 0.0
     for side in (1.0, -1.0):
@@ -39,7 +39,7 @@ def stop_force(s0, s1, limit, stiffness, damping_per_step):  # type: ignore[no-u
 
 
 @njit
-def solve_stops(x, free, compliance, strut, stiffness, damping_per_step, force):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def solve_stops(x, free, compliance, strut, stiffness, damping_per_step, force):
     """Find the forces (n) that fit the strokes they lead to.
 
     Args:

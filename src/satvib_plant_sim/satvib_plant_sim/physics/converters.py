@@ -21,7 +21,7 @@ from satvib_plant_sim.rig.rig import Rig
 
 
 @njit
-def _converted(volts, full_scale, lsb):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _converted(volts, full_scale, lsb):
     """What a converter makes of a voltage: limited, and rounded to its codes (lsb 0: not)."""
     if lsb > 0.0:
         code = math.floor(volts / lsb + 0.5)
@@ -63,7 +63,7 @@ def lsb(full_scale: float, bits: int) -> float:
     'void(f8[:],f8[:],f8[:],f8[:,:],f8[:])',
     '(r),(s),(m),(m,q)->(m)',
 )
-def read_input(state, settings, bias, noise, reading):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def read_input(state, settings, bias, noise, reading):
     """Read the 2n converters (upper, then lower) from the state (R) and the noise states (2n, c)."""
     n = bias.shape[0] // 2
     stages = noise.shape[1]
@@ -83,7 +83,7 @@ def read_input(state, settings, bias, noise, reading):  # type: ignore[no-untype
     '(q,q),(q,q),(m,q),(m,q)->(q)',
     writable=('noise',),
 )
-def advance_noise(E, L, normal, noise, scratch):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def advance_noise(E, L, normal, noise, scratch):
     """Take the noise states one sample on: E noise + L normal, per channel."""
     stages = noise.shape[1]
     for i in range(noise.shape[0]):
@@ -99,7 +99,7 @@ def advance_noise(E, L, normal, noise, scratch):  # type: ignore[no-untyped-def]
 
 
 @kernel('void(f8[:],f8[:],f8[:])', '(n),(s)->(n)')
-def drive_output(voltage, settings, terminal):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def drive_output(voltage, settings, terminal):
     """Give the voltages (n) at the terminals for the voltages (n) asked for."""
     for i in range(voltage.shape[0]):
         volts = _converted(voltage[i] / settings[0], settings[2], settings[3]) * settings[0]

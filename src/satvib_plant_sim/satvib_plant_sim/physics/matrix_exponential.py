@@ -14,11 +14,9 @@ import numpy as np
 from numba import njit
 from satvib_common.kernels.compile import kernel
 
-# ruff: noqa: ANN001, ANN202 - compiled functions have the types of their arguments
-
 
 @njit
-def _balance(a, scale):  # type: ignore[no-untyped-def]
+def _balance(a, scale):
     """Scale a by a diagonal of powers of two so that its rows and columns weigh alike; fill `scale`."""
     size = a.shape[0]
     scale[:] = 1.0
@@ -45,7 +43,7 @@ def _balance(a, scale):  # type: ignore[no-untyped-def]
 
 
 @njit
-def _product(a, b, c):  # type: ignore[no-untyped-def]
+def _product(a, b, c):
     """C = a b, without what is zero in a."""
     size = a.shape[0]
     for i in range(size):
@@ -59,7 +57,7 @@ def _product(a, b, c):  # type: ignore[no-untyped-def]
 
 
 @kernel('void(f8[:,:],f8[:,:])', '(m,m)->(m,m)')
-def exponential(matrix, result):  # type: ignore[no-untyped-def]  # noqa: ANN201
+def exponential(matrix, result):
     """Give exp(matrix) for (..., m, m)."""
     size = matrix.shape[0]
     a = matrix.copy()

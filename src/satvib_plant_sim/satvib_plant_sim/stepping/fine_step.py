@@ -21,11 +21,9 @@ from satvib_plant_sim.physics.contact import solve_stops
 from satvib_plant_sim.stepping.discretize import INPUTS, LANES
 from satvib_plant_sim.stepping.vector_step import fma, vector_step
 
-# ruff: noqa: ANN001, ANN201, ANN202 - compiled functions have the types of their arguments
-
 
 @njit
-def any_step(step, chain, x, y, size):  # type: ignore[no-untyped-def]
+def any_step(step, chain, x, y, size):
     """Make one fine step from x to y: step^T x[:16], plus the sensor chains' own dynamics; `size` is 3n + 2."""
     for r in range(step.shape[1]):
         total = step[size, r] * x[size]
@@ -45,7 +43,7 @@ def _forces(n: int) -> Any:
     """Make the function that gives the strut forces of n struts."""
 
     @njit
-    def forces(x, y, strut, pull, f):  # type: ignore[no-untyped-def]
+    def forces(x, y, strut, pull, f):
         """Fill the coils' pull and the struts' force f (n) at the start of a step; True when it needs correcting."""
         active = False
         for i in range(n):
@@ -63,7 +61,7 @@ def _record(n: int) -> Any:
     """Make the function that keeps what n struts did in a step."""
 
     @njit
-    def record(y, inertia, pull, f, peak, upper, j):  # type: ignore[no-untyped-def]
+    def record(y, inertia, pull, f, peak, upper, j):
         """Keep the peaks of stroke and pull (2, n) and the accelerations of column j; give the sum of the forces."""
         total = 0.0
         for i in range(n):
@@ -86,7 +84,7 @@ record_1, record_3 = _record(1), _record(3)
 
 
 @njit
-def add_rows(y, gains, amounts):  # type: ignore[no-untyped-def]
+def add_rows(y, gains, amounts):
     """Add the sum over i of gains[i] amounts[i] to y."""
     for i in range(amounts.shape[0]):
         for r in range(y.shape[0]):
@@ -94,7 +92,7 @@ def add_rows(y, gains, amounts):  # type: ignore[no-untyped-def]
 
 
 @njit
-def correct(x, y, strut, voltage, force, stop, pull, f):  # type: ignore[no-untyped-def]
+def correct(x, y, strut, voltage, force, stop, pull, f):
     """Correct a step from x to y for coils at their peak force and struts at their stops.
 
     Args:

@@ -14,7 +14,7 @@ from numba import njit
 
 
 @njit
-def begin_lines(ramp, n_fine, theta, line):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def begin_lines(ramp, n_fine, theta, line):
     """Fill `line` (2, n) from `ramp` (n, 4) at the start of a period."""
     for i in range(ramp.shape[0]):
         left = ramp[i, 2] + n_fine
@@ -29,7 +29,7 @@ def begin_lines(ramp, n_fine, theta, line):  # type: ignore[no-untyped-def]  # n
 
 
 @njit
-def line_ends(ramp, n_fine, i):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def line_ends(ramp, n_fine, i):
     """Fine step in which the line of strut i ends; far away when it has none."""
     if ramp[i, 0] == ramp[i, 1]:
         return 1e18
@@ -37,7 +37,7 @@ def line_ends(ramp, n_fine, i):  # type: ignore[no-untyped-def]  # noqa: ANN001,
 
 
 @njit
-def next_event(ramp, event, n_fine, after):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def next_event(ramp, event, n_fine, after):
     """First fine step later than `after` in which any strut's line ends or a command (`event`, (n, 2)) arrives."""
     first = 1e18
     for i in range(ramp.shape[0]):
@@ -50,7 +50,7 @@ def next_event(ramp, event, n_fine, after):  # type: ignore[no-untyped-def]  # n
 
 
 @njit
-def turn(ramp, line, event, command, linear, n_fine, theta, j, flag, change):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def turn(ramp, line, event, command, linear, n_fine, theta, j, flag, change):
     """Apply what happens in fine step j, on the grid (flag 0) or at theta (flag 1).
 
     `change` (2, n) takes the jump of the voltage and of its slope, which the divided step needs. Returns whether

@@ -28,7 +28,7 @@ from satvib_plant_sim.stepping.hold import begin_lines, next_event, turn
 
 
 @njit
-def _load_voltages(line, hold, step, slot):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _load_voltages(line, hold, step, slot):
     """Put what the voltages add per step (constant, and per step index) into two columns of `step`."""
     for r in range(step.shape[1]):
         constant = 0.0
@@ -47,28 +47,28 @@ def _load_voltages(line, hold, step, slot):  # type: ignore[no-untyped-def]  # n
     '(n),(n,e),(),(d,f),(n,l),(r),(n,g),(g)->(l,n)',
     writable=('ramp', 'state', 'upper', 'lower'),
 )
-def advance_period(  # type: ignore[no-untyped-def]
-    columns,  # noqa: ANN001
-    push,  # noqa: ANN001
-    chain,  # noqa: ANN001
-    hold,  # noqa: ANN001
-    force,  # noqa: ANN001
-    strut,  # noqa: ANN001
-    inertia,  # noqa: ANN001
-    point,  # noqa: ANN001
-    shaker,  # noqa: ANN001
-    stop,  # noqa: ANN001
-    theta,  # noqa: ANN001
-    command,  # noqa: ANN001
-    event,  # noqa: ANN001
-    linear,  # noqa: ANN001
-    disturbance,  # noqa: ANN001
-    ramp,  # noqa: ANN001
-    state,  # noqa: ANN001
-    upper,  # noqa: ANN001
-    lower,  # noqa: ANN001
-    summary,  # noqa: ANN001
-) -> None:
+def advance_period(
+    columns,
+    push,
+    chain,
+    hold,
+    force,
+    strut,
+    inertia,
+    point,
+    shaker,
+    stop,
+    theta,
+    command,
+    event,
+    linear,
+    disturbance,
+    ramp,
+    state,
+    upper,
+    lower,
+    summary,
+):
     """Advance one period; the arrays of the rig are those of `Discrete`.
 
     Args:

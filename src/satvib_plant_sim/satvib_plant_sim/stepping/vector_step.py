@@ -16,21 +16,19 @@ from numba.extending import intrinsic
 
 from satvib_plant_sim.stepping.discretize import INPUTS, LANES
 
-# ruff: noqa: ANN001, ANN202 - generators of machine code have the types of their libraries
-
 _WIDTH = LANES
 
 
 @intrinsic
-def _fused(typing_context, a, b, c):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    def generate(context, builder, signature, values):  # type: ignore[no-untyped-def]  # noqa: ARG001
+def _fused(typing_context, a, b, c):  # noqa: ARG001
+    def generate(context, builder, signature, values):  # noqa: ARG001
         return builder.fma(*values)
 
     return types.float64(types.float64, types.float64, types.float64), generate
 
 
 @njit
-def fma(a, b, c):  # type: ignore[no-untyped-def]  # noqa: ANN201
+def fma(a, b, c):
     """a b + c, rounded once."""  # noqa: D403
     return _fused(a, b, c)
 
@@ -53,8 +51,8 @@ def vector_step(n: int, stages: int) -> Any:
     size, rows = 3 * n + 2, INPUTS + LANES * stages
 
     @intrinsic
-    def machine(typing_context, step, chain, x, y):  # type: ignore[no-untyped-def]  # noqa: ARG001
-        def generate(context, builder, signature, values):  # type: ignore[no-untyped-def]
+    def machine(typing_context, step, chain, x, y):  # noqa: ARG001
+        def generate(context, builder, signature, values):
             pointers = [
                 context.make_array(kind)(context, builder, value).data
                 for kind, value in zip(signature.args, values, strict=True)
@@ -65,7 +63,7 @@ def vector_step(n: int, stages: int) -> Any:
         return types.void(step, chain, x, y), generate
 
     @njit
-    def fixed(step, chain, x, y):  # type: ignore[no-untyped-def]
+    def fixed(step, chain, x, y):
         machine(step, chain, x, y)
 
     return fixed

@@ -45,7 +45,7 @@ SIZE = 14
     '(),(),(),(),(),(),(n),(m)->(),()',
     writable=('memory',),
 )
-def watch(error, reference, effect, cut, valid, acting, settings, memory, verdict, loud):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def watch(error, reference, effect, cut, valid, acting, settings, memory, verdict, loud):
     """Judge one sample.
 
     Args:

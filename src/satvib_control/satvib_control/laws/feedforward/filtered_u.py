@@ -24,7 +24,7 @@ from satvib_common.kernels.compile import kernel
 
 
 @njit
-def _inside(c, scale, work, other):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _inside(c, scale, work, other):
     """Whether all roots of 1 - sum c_i scale^i z^-i lie inside the unit circle (Schur-Cohn, step-down)."""
     order = c.shape[0]
     factor = 1.0
@@ -43,7 +43,7 @@ def _inside(c, scale, work, other):  # type: ignore[no-untyped-def]  # noqa: ANN
 
 
 @kernel('void(f8[:], i8, f8, f8[:])', '(p),(),()->()', writable=('weights',))
-def stabilize(weights, poles, radius, scale):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def stabilize(weights, poles, radius, scale):
     """Draw the poles of the last `poles` weights inside the circle of `radius`, in place.
 
     Args:

@@ -32,7 +32,7 @@ TINY = 1e-30
     '(p),(),(),(n),(p),(o)->()',
     writable=('weights', 'power'),
 )
-def fxlms(regressor, error, active, settings, weights, power, norm):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def fxlms(regressor, error, active, settings, weights, power, norm):
     """One step of the weights, in place.
 
     Args:

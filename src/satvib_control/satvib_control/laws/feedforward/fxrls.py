@@ -30,7 +30,7 @@ TINY = 1e-30
 
 
 @njit
-def _measure(w, error, pace, theta, U, d, gain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _measure(w, error, pace, theta, U, d, gain):
     """Bierman's update of (theta, U, d) by one measurement of unit variance with regressor w."""
     p = d.shape[0]
     before = 1.0
@@ -53,7 +53,7 @@ def _measure(w, error, pace, theta, U, d, gain):  # type: ignore[no-untyped-def]
 
 
 @njit
-def _pull(j, weight, pace, theta, U, d, gain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _pull(j, weight, pace, theta, U, d, gain):
     """The same for the line sqrt(weight) theta_j = 0, whose regressor has one element only."""
     p = d.shape[0]
     root = np.sqrt(weight)
@@ -82,7 +82,7 @@ def _pull(j, weight, pace, theta, U, d, gain):  # type: ignore[no-untyped-def]  
     '(p),(),(),(),(n),(p),(p,p),(p),(o)->()',
     writable=('weights', 'U', 'd', 'memory'),
 )
-def fxrls(regressor, error, power, active, settings, weights, U, d, memory, norm):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def fxrls(regressor, error, power, active, settings, weights, U, d, memory, norm):
     """One step of the weights and of P = U D U^T, in place.
 
     Args:

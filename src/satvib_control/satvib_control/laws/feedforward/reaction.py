@@ -38,7 +38,7 @@ FREQUENCIES = np.arange(1, 65) / 128.0
 
 
 @kernel('void(f8[:], f8[:,:,:], i8, f8[:], f8[:])', '(p),(f,p,c),(),(f)->()')
-def loop_gain(weights, table, poles, reaction, gain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def loop_gain(weights, table, poles, reaction, gain):
     """Largest |W F_hat| over the frequencies of a table.
 
     Args:

@@ -48,7 +48,7 @@ def motion_coefficients(corner: float, dt: float) -> Array:
 
 
 @njit
-def _motion(coefficients, state, x):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _motion(coefficients, state, x):
     """One sample of both filters: scaled velocity and displacement."""
     h, g, p = coefficients
     high = h * x + state[0]
@@ -61,7 +61,7 @@ def _motion(coefficients, state, x):  # type: ignore[no-untyped-def]  # noqa: AN
 
 
 @njit
-def _filter(b, a, state, x):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _filter(b, a, state, x):
     """Direct form II transposed; b, a and state have one length, the last state stays 0; a[0] is 1."""
     y = b[0] * x + state[0]
     for i in range(b.shape[0] - 1):
@@ -70,7 +70,7 @@ def _filter(b, a, state, x):  # type: ignore[no-untyped-def]  # noqa: ANN001, AN
 
 
 @njit
-def _push(line, taps, motion, poles, x, v, s, u):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _push(line, taps, motion, poles, x, v, s, u):
     """Shift a regressor by one sample."""
     for i in range(taps - 1, 0, -1):
         line[i] = line[i - 1]
@@ -91,23 +91,23 @@ def _push(line, taps, motion, poles, x, v, s, u):  # type: ignore[no-untyped-def
     '(t),(t),(t),(r),(m),(m),(c),(z),(p),(r),(q),(g,m),(l,d),(l,p)->(t),(t)',
     writable=('voltages', 'before', 'filters', 'motion', 'lines'),
 )
-def run_line(  # type: ignore[no-untyped-def]  # noqa: ANN201
-    lower,  # noqa: ANN001
-    applied,  # noqa: ANN001
-    own,  # noqa: ANN001
-    reaction,  # noqa: ANN001
-    num,  # noqa: ANN001
-    den,  # noqa: ANN001
-    coefficients,  # noqa: ANN001
-    sizes,  # noqa: ANN001
-    weights,  # noqa: ANN001
-    voltages,  # noqa: ANN001
-    before,  # noqa: ANN001
-    filters,  # noqa: ANN001
-    motion,  # noqa: ANN001
-    lines,  # noqa: ANN001
-    reference,  # noqa: ANN001
-    effect,  # noqa: ANN001
+def run_line(
+    lower,
+    applied,
+    own,
+    reaction,
+    num,
+    den,
+    coefficients,
+    sizes,
+    weights,
+    voltages,
+    before,
+    filters,
+    motion,
+    lines,
+    reference,
+    effect,
 ):
     """Advance by t samples.
 
@@ -158,7 +158,7 @@ def run_line(  # type: ignore[no-untyped-def]  # noqa: ANN201
 
 
 @kernel('void(f8[:], f8[:], f8[:])', '(p),(p)->()')
-def inner(a, b, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def inner(a, b, out):
     """a^T b, summed in order."""
     total = 0.0
     for i in range(a.shape[0]):

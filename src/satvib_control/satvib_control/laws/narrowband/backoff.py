@@ -74,7 +74,7 @@ CAREFUL = 4.0  # times slower with a corrected model
 
 
 @njit
-def lost(common, settings, e, d):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def lost(common, settings, e, d):
     """Whether for a whole window the tones have explained less than four fifths of the disturbance."""
     window = settings[WINDOW]
     common[POWER_E] += (e * e - common[POWER_E]) * 4.0 / window
@@ -89,7 +89,7 @@ def lost(common, settings, e, d):  # type: ignore[no-untyped-def]  # noqa: ANN00
 
 
 @njit
-def held(common, settings, y, d, acting, astray):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def held(common, settings, y, d, acting, astray):
     """Whether the law has to be at 0 V, whether that begins with this sample, and whether a guilty attempt may teach.
 
     Args:
@@ -123,14 +123,14 @@ def held(common, settings, y, d, acting, astray):  # type: ignore[no-untyped-def
 
 
 @njit
-def believe(common, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def believe(common, settings):
     """The model was corrected after the verdict: the next hold is as the first, and it comes back slowly."""
     common[NEXT_HOLD] = settings[FIRST_HOLD]
     common[SLOW] = max(common[SLOW], CAREFUL)
 
 
 @njit
-def _listen(common, settings, y, effect):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _listen(common, settings, y, effect):
     """Take a sample into the powers, and at 0 V into the base."""
     wanted = settings[WANTED]
     common[HEARD] += 1.0
@@ -155,7 +155,7 @@ def _listen(common, settings, y, effect):  # type: ignore[no-untyped-def]  # noq
 
 
 @njit
-def _suspicious(common, wanted):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _suspicious(common, wanted):
     """Whether it has been loud, and whether useless, for too long."""
     level, base = common[LEVEL], common[BASE]
     growth = level / ((GROWN if common[SLOW] == 1.0 else BELIEVED_LESS) * base + 1e-300)
@@ -175,7 +175,7 @@ def _suspicious(common, wanted):  # type: ignore[no-untyped-def]  # noqa: ANN001
 
 
 @njit
-def _judge(common, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _judge(common, settings):
     """At the end of a hold: was it the law, and what is the base; True: it was, and the attempt may teach."""
     first = settings[FIRST_HOLD]
     common[KNOWN] = 1.0

@@ -46,7 +46,7 @@ UNIFORM = 96
 
 
 @njit
-def largest_sensitivity(tones, inverse, points, lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def largest_sensitivity(tones, inverse, points, lesson):
     """Max |S| over the points.
 
     Args:
@@ -83,7 +83,7 @@ def largest_sensitivity(tones, inverse, points, lesson):  # type: ignore[no-unty
 
 
 @njit
-def stretch(tones, inverse, points, lesson, settings, common):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def stretch(tones, inverse, points, lesson, settings, common):
     """Slow the tones down, or let them go again, so that max |S| stays below the limit."""
     worst = largest_sensitivity(tones, inverse, points, lesson)
     common[SENSITIVITY] = worst

@@ -47,20 +47,20 @@ FAR, MOVED = 0.3, 0.03
 
 
 @njit
-def correction(lesson, omega):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def correction(lesson, omega):
     """By what the response of the model is multiplied at a frequency (rad/sample)."""
     return lesson[FIX_0] + lesson[FIX_1] * complex(math.cos(omega), -math.sin(omega))
 
 
 @njit
-def taps(rho, omega):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def taps(rho, omega):
     """f_0 and f_1 of the filter whose response at a frequency (rad/sample) is rho."""
     f_1 = -rho.imag / math.sin(omega)
     return rho.real - f_1 * math.cos(omega), f_1
 
 
 @njit
-def corrected(lesson, v):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def corrected(lesson, v):
     """The effect of the voltage, from what the model says of it."""
     effect = lesson[FIX_0] * v + lesson[FIX_1] * lesson[LAST]
     lesson[LAST] = v
@@ -68,19 +68,19 @@ def corrected(lesson, v):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN20
 
 
 @njit
-def forget(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def forget(lesson):
     """Take the model as it was."""
     lesson[FIX_0], lesson[FIX_1], lesson[FIXED_AT] = 1.0, 0.0, 0.0
 
 
 @njit
-def _apart(one, other):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _apart(one, other):
     """Whether two frequencies are those of different tones."""
     return abs(one - other) > FAR * min(one, other)
 
 
 @njit
-def attend(lesson, omega):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def attend(lesson, omega):
     """An attempt begins at the frequency (rad/sample)."""
     if _apart(omega, lesson[FIXED_AT]):
         forget(lesson)
@@ -89,13 +89,13 @@ def attend(lesson, omega):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN2
 
 
 @njit
-def fresh(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def fresh(lesson):
     """Whether there was no attempt yet."""
     return lesson[OMEGA] == 0.0
 
 
 @njit
-def learn(lesson, settings, omega, y, effect):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def learn(lesson, settings, omega, y, effect):
     """Take a sample of an attempt.
 
     Args:
@@ -130,7 +130,7 @@ def learn(lesson, settings, omega, y, effect):  # type: ignore[no-untyped-def]  
 
 
 @njit
-def _ratio(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _ratio(lesson):
     """The true response over the believed one, and how much it explains of what D s leaves of Y."""
     ss, vv, yy = lesson[SS], lesson[VV], lesson[YY]
     if ss == 0.0:
@@ -147,7 +147,7 @@ def _ratio(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
 
 
 @njit
-def turned(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def turned(lesson):
     """Whether the attempt took the frequency along and shows clearly that the model is out by more than 60 degrees."""
     if lesson[STRAYED] <= MOVED * lesson[OMEGA]:
         return False
@@ -156,7 +156,7 @@ def turned(lesson):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @njit
-def conclude(lesson, heard):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def conclude(lesson, heard):
     """Correct the model by what the attempt taught, if it taught anything; whether it did.
 
     Args:

@@ -56,7 +56,7 @@ STEADY_WINDOWS = 8.0
 
 
 @njit
-def spectrum(ring, pointer, low, step, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def spectrum(ring, pointer, low, step, out):
     """P on the grid low + i step (rad/sample); `pointer` is the place of the oldest sample."""
     window = ring.shape[0]
     x = np.empty(window)
@@ -77,7 +77,7 @@ def spectrum(ring, pointer, low, step, out):  # type: ignore[no-untyped-def]  # 
 
 
 @njit
-def _levels(power, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _levels(power, out):
     """Level of the noise around each point: what the lower quartile of its `AROUND` nearest points tells."""
     count = power.shape[0]
     size = min(AROUND, count)
@@ -100,7 +100,7 @@ def _levels(power, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
 
 
 @njit
-def _near(tones, omega, window, unsettled, settled):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _near(tones, omega, window, unsettled, settled):
     """Whether a frequency is near to a tracked tone.
 
     Within two resolutions for the first two windows after a find, then within `unsettled` or `settled`.
@@ -117,7 +117,7 @@ def _near(tones, omega, window, unsettled, settled):  # type: ignore[no-untyped-
 
 
 @njit
-def _free(tones, power, window):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _free(tones, power, window):
     """A place for a tone of that P: a free one, or the weakest if it has a quarter at most; -1: none."""
     weakest = -1
     least = 0.25 * power
@@ -133,7 +133,7 @@ def _free(tones, power, window):  # type: ignore[no-untyped-def]  # noqa: ANN001
 
 
 @njit
-def _take(t, ring, pointer, omega):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _take(t, ring, pointer, omega):
     """Begin tone t at a frequency and take it out of the window; the newest sample is pointer - 1."""
     window = ring.shape[0]
     half = window // 2
@@ -151,7 +151,7 @@ def _take(t, ring, pointer, omega):  # type: ignore[no-untyped-def]  # noqa: ANN
 
 
 @njit
-def _steady(floor, q, lowest, hops):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _steady(floor, q, lowest, hops):
     """Whether P at a point of the grid has long been that of a weak tone: above the band, and always the same."""
     mean = floor[1, q]
     constant = floor[2, q] < STEADY * mean * mean
@@ -159,7 +159,7 @@ def _steady(floor, q, lowest, hops):  # type: ignore[no-untyped-def]  # noqa: AN
 
 
 @njit
-def search(tones, settings, common, ring, floor, step):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def search(tones, settings, common, ring, floor, step):
     """Look for new tones; the last sample of `ring` is the newest error.
 
     `floor` (3, g): the noise floor, and the running means of P and P^2.

@@ -62,7 +62,7 @@ UNSURE = 3.0
 
 
 @njit
-def _observe(b, a, state, lesson, applied, y):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _observe(b, a, state, lesson, applied, y):
     """Give d = y - G u: step the model by the voltage of the sample before; its first coefficient is 0."""
     order = state.shape[0]
     out = state[0]
@@ -73,7 +73,7 @@ def _observe(b, a, state, lesson, applied, y):  # type: ignore[no-untyped-def]  
 
 
 @njit
-def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _track(settings, common, tones, rings, floor, d, valid):
     """Take a sample of the disturbance; give the error, whether a search was due, and whether the tracker was lost."""
     window = rings.shape[1]
     step = math.pi / window
@@ -103,12 +103,12 @@ def _track(settings, common, tones, rings, floor, d, valid):  # type: ignore[no-
 
 
 @njit
-def _respond(b, a, lesson, omega):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _respond(b, a, lesson, omega):
     return respond(b, a, omega) * correction(lesson, omega)
 
 
 @njit
-def _invert(b, a, lesson, t, settings):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _invert(b, a, lesson, t, settings):
     """What x is multiplied by: 1 / G, and while the tone is being caught G* / mean |G|^2 where that is less."""
     response = _respond(b, a, lesson, t[OMEGA])
     power = abs(response) ** 2
@@ -124,7 +124,7 @@ def _invert(b, a, lesson, t, settings):  # type: ignore[no-untyped-def]  # noqa:
 
 
 @njit
-def _share(volts, limit, share):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _share(volts, limit, share):
     """Share a voltage limit among amplitudes, the small ones first; True where somebody got less."""
     count = volts.shape[0]
     order = np.argsort(volts)
@@ -142,7 +142,7 @@ def _share(volts, limit, share):  # type: ignore[no-untyped-def]  # noqa: ANN001
 
 
 @njit
-def one(design, memory, y, applied, valid, act, show):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def one(design, memory, y, applied, valid, act, show):
     """One sample of one item: give the voltage.
 
     Args:
@@ -229,8 +229,8 @@ WRITABLE = ('state', 'c', 'tones', 'rings', 'floor', 'lesson', 'show')
 
 
 @kernel(f'void({ITEM}, f8, f8, f8, f8, f8[:], f8[:])', f'{LAYOUT},(),(),(),(),(h)->()', WRITABLE)
-def narrowband_step(  # type: ignore[no-untyped-def]  # noqa: ANN201
-    b, a, s, points, state, c, tones, rings, floor, lesson, y, applied, valid, act, show, u,  # noqa: ANN001
+def narrowband_step(
+    b, a, s, points, state, c, tones, rings, floor, lesson, y, applied, valid, act, show, u,
 ):  # fmt: skip
     """Give the voltage of one sample; see `one`. `valid`: 1, 0, or -1 where there is no model: nothing is done."""
     if valid < 0.0:
@@ -241,8 +241,8 @@ def narrowband_step(  # type: ignore[no-untyped-def]  # noqa: ANN201
 
 
 @kernel(f'void({ITEM}, f8[:,:], f8, f8, f8[:], f8[:])', f'{LAYOUT},(l,v),(),(),(h)->()', WRITABLE)
-def narrowband_replay(  # type: ignore[no-untyped-def]  # noqa: ANN201
-    b, a, s, points, state, c, tones, rings, floor, lesson, past, begin, follow, show, done,  # noqa: ANN001
+def narrowband_replay(
+    b, a, s, points, state, c, tones, rings, floor, lesson, past, begin, follow, show, done,
 ):  # fmt: skip
     """Run over the past, whose oldest row is at `begin`.
 

@@ -59,13 +59,13 @@ SHORTEST = 3.0  # half periods of a tone in its shortest pace
 
 
 @njit
-def place(omega, low, step, count):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def place(omega, low, step, count):
     """Index of a frequency on the grid of the noise floor, inside it."""
     return min(max(int((omega - low) / step + 0.5), 0), count - 1)
 
 
 @njit
-def predict(tones):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def predict(tones):
     """Turn every tone by one sample; give the sum of their real parts."""
     total = 0.0
     for i in range(tones.shape[0]):
@@ -81,7 +81,7 @@ def predict(tones):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
 
 
 @njit
-def _shortest(tones, i):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _shortest(tones, i):
     """Shortest pace of tone i: in periods, and in the beat with its nearest neighbour."""
     omega = tones[i, OMEGA]
     least = SHORTEST * math.pi / omega
@@ -92,7 +92,7 @@ def _shortest(tones, i):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
 
 
 @njit
-def correct(tones, settings, common, floor, step, e):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def correct(tones, settings, common, floor, step, e):
     """Take the shared error of a sample into every tone."""
     for i in range(tones.shape[0]):
         t = tones[i]
@@ -134,7 +134,7 @@ def correct(tones, settings, common, floor, step, e):  # type: ignore[no-untyped
 
 
 @njit
-def prune(tones, settings, floor, step, window):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def prune(tones, settings, floor, step, window):
     """Let go of tones that are gone, have left the band or have become one with another."""
     for i in range(tones.shape[0]):
         t = tones[i]
@@ -162,7 +162,7 @@ def prune(tones, settings, floor, step, window):  # type: ignore[no-untyped-def]
 
 
 @njit
-def begin(t, omega, re, im):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def begin(t, omega, re, im):
     """Begin to track a tone that was found."""
     t[:] = 0.0
     t[RE], t[IM], t[OMEGA], t[ON] = re, im, omega, 1.0

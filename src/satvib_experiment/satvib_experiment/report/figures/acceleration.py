@@ -3,8 +3,10 @@
 """Acceleration of the payload with control off and on: the paper's Fig. 9, and what it could not see."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from satvib_common.arrays import Array
 
 from satvib_experiment.analysis.evaluation import fine
 from satvib_experiment.report.context import Context, without_bias
@@ -70,7 +72,7 @@ def draw(context: Context, path: Path) -> bool:
     return True
 
 
-def _draw_zoom(context: Context, ax, i, zoom, measured) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+def _draw_zoom(context: Context, ax: Any, i: int, zoom: slice, measured: Array) -> None:
     recording = context.recording
     if context.open_loop is not None:
         ax.plot(
@@ -85,7 +87,7 @@ def _draw_zoom(context: Context, ax, i, zoom, measured) -> None:  # type: ignore
     )  # fmt: skip
 
 
-def _limit(context: Context, i: int, measured: np.ndarray) -> float:
+def _limit(context: Context, i: int, measured: Array) -> float:
     """Vertical range: all of it, without the odd first kick of the excitation when that is far larger."""
     windows = context.evaluation.windows
     largest = float(np.nanmax(np.abs(measured[:, i]))) or 1.0

@@ -3,8 +3,10 @@
 """Identified parameters over time: the paper's Fig. 8."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from satvib_common.arrays import Array
 
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.style import STRUTS, figure, legend, shade_phases, strut_label
@@ -54,7 +56,7 @@ def draw(context: Context, path: Path) -> bool:
     return True
 
 
-def _fit_view(ax, time, value, limits) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+def _fit_view(ax: Any, time: Array, value: Array, limits: tuple[float, float] | None) -> None:
     """Choose the vertical range by what stays after the first steps, which may overshoot wildly."""
     if limits is None:
         return

@@ -3,8 +3,10 @@
 """Spectra of the payload's acceleration before and under control, as measured and true."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from satvib_common.arrays import Array
 
 from satvib_experiment.analysis.evaluation import fine
 from satvib_experiment.analysis.levels import spectrum
@@ -65,7 +67,7 @@ def draw(context: Context, path: Path) -> bool:
     return True
 
 
-def _limit(ax, context, i, on, off) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+def _limit(ax: Any, context: Context, i: int, on: slice, off: slice) -> None:
     """Show what counts: from well below the sensor noise to above the highest line."""
     dt = context.recording.sample_period
     peaks = [
@@ -77,7 +79,7 @@ def _limit(ax, context, i, on, off) -> None:  # type: ignore[no-untyped-def]  # 
     ax.set_ylim(0.003 * min(bottom, 0.1 * max(peaks)), 4.0 * max(peaks))
 
 
-def _lines(ax, signal, dt, color, label) -> None:  # type: ignore[no-untyped-def]  # noqa: ANN001
+def _lines(ax: Any, signal: Array, dt: float, color: str, label: str) -> None:
     f, density = spectrum(signal, dt, _RESOLUTION)
     keep = f > 0
     ax.loglog(f[keep], np.maximum(density[keep], 1e-12), color=color, lw=1.1, label=label)

@@ -18,7 +18,7 @@ from satvib_common.kernels.compile import kernel
 
 
 @kernel('void(f8[:], f8[:], f8, f8[:])', '(p),(q),()->(q)')
-def _discretize(theta, like, dt, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _discretize(theta, like, dt, out):
     n = (like.shape[0] - 1) // 2
     m = theta.shape[0] - n
     size = n + 1
@@ -118,7 +118,7 @@ def _discretize(theta, like, dt, out):  # type: ignore[no-untyped-def]  # noqa: 
 
 
 @kernel('void(f8[:,:], f8[:,:], f8[:,:])', '(q,p),(p,p)->(q,q)')
-def _congruence(J, C, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _congruence(J, C, out):
     q, p = J.shape
     for a in range(q):
         for b in range(a, q):

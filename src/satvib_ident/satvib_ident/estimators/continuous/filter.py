@@ -22,7 +22,7 @@ from scipy.linalg import expm
     '(n,n),(n),(n),(d),(),(),(n)->(d)',
     writable=('state',),
 )
-def _step(phi, first, last, top, before, now, state, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _step(phi, first, last, top, before, now, state, out):
     """State <- phi state + first before + last now; out = state and its highest derivative."""
     n = state.shape[0]
     for i in range(n):

@@ -25,7 +25,7 @@ from satvib_ident.estimators.least_squares import REFUSED, UPDATES, RecursiveLea
 
 
 @kernel('void(f8[:], f8, f8, b1, f8[:], b1[:])', '(p),(),(),(),(p)->()', writable=('theta',))
-def _descend(w, error, step, active, theta, used):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _descend(w, error, step, active, theta, used):
     used[0] = False
     size = 0.0
     for j in range(w.shape[0]):

@@ -28,7 +28,7 @@ from satvib_ident.forgetting import Forgetting
 
 
 @kernel('void(f8[:], f8, f8, f8[:,:], f8[:], f8[:])', '(p),(),(),(p,p),(p)->()')
-def _weight(w, step, mu, U, d, rho):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _weight(w, step, mu, U, d, rho):
     """Weight of a sample held for a time: step = g dt; mu of the normalization."""
     q = 0.0
     for j in range(d.shape[0]):

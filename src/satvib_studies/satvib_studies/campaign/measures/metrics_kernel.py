@@ -17,11 +17,9 @@ import numpy as np
 from numba import njit
 from satvib_common.kernels.compile import kernel
 
-# ruff: noqa: ANN001, ANN201, ANN202 - compiled functions have the types of their arguments
-
 
 @njit
-def _add(value, basis, used, sums):  # type: ignore[no-untyped-def]
+def _add(value, basis, used, sums):
     """Take one value of one strut: sums are S1, S2, q."""
     sums[0] += value
     sums[1] += value * value
@@ -30,7 +28,7 @@ def _add(value, basis, used, sums):  # type: ignore[no-untyped-def]
 
 
 @njit
-def _used(tones):  # type: ignore[no-untyped-def]
+def _used(tones):
     """Number of basis functions of the tones (NaN: none) without the constant."""
     count = 0
     while count < tones.shape[0] and not math.isnan(tones[count]):
@@ -39,7 +37,7 @@ def _used(tones):  # type: ignore[no-untyped-def]
 
 
 @njit
-def _begin(tones, t, basis):  # type: ignore[no-untyped-def]
+def _begin(tones, t, basis):
     """Set the basis to time t."""
     for j in range(_used(tones) // 2):
         angle = 2.0 * math.pi * tones[j] * t
@@ -48,7 +46,7 @@ def _begin(tones, t, basis):  # type: ignore[no-untyped-def]
 
 
 @njit
-def _weigh(basis, used, gram):  # type: ignore[no-untyped-def]
+def _weigh(basis, used, gram):
     """Add p p' to G (lower half), the constant last."""
     for p in range(used):
         for q in range(p + 1):
@@ -62,7 +60,7 @@ def _weigh(basis, used, gram):  # type: ignore[no-untyped-def]
     '(),(),(w,b),(t),(n,f),(n),(c,n),(w,c,n,s),(w,c,p,p)->()',
     writable=('origin', 'sums', 'gram'),
 )
-def add_sample(k, dt, windows, tones, fine, reading, origin, sums, gram, done):  # type: ignore[no-untyped-def]
+def add_sample(k, dt, windows, tones, fine, reading, origin, sums, gram, done):
     """Take one sample of one trial into every window that holds it.
 
     Args:
@@ -105,7 +103,7 @@ def add_sample(k, dt, windows, tones, fine, reading, origin, sums, gram, done): 
 
 
 @njit
-def _solve(gram, q, size, w):  # type: ignore[no-untyped-def]
+def _solve(gram, q, size, w):
     """Solve G w = q by Cholesky's factor of the lower half; False where G has none."""
     factor = np.zeros((size, size))
     for i in range(size):
@@ -133,7 +131,7 @@ def _solve(gram, q, size, w):  # type: ignore[no-untyped-def]
 
 
 @kernel('void(f8[:],f8[:],f8[:,:],f8[:])', '(t),(s),(p,p)->()')
-def tone_level(tones, sums, gram, level):  # type: ignore[no-untyped-def]
+def tone_level(tones, sums, gram, level):
     """Amplitude of all tones together in one window, m/s^2; NaN without tones or with too short a window."""
     used = _used(tones)
     level[0] = math.nan
@@ -152,7 +150,7 @@ def tone_level(tones, sums, gram, level):  # type: ignore[no-untyped-def]
 
 
 @kernel('void(f8[:],f8[:],f8[:,:],f8[:])', '(t),(s),(p,p)->()')
-def rms_level(tones, sums, gram, level):  # type: ignore[no-untyped-def]
+def rms_level(tones, sums, gram, level):
     """RMS without the mean in one window, m/s^2; NaN without samples."""
     count = gram[_used(tones), _used(tones)]
     level[0] = math.nan
@@ -162,7 +160,7 @@ def rms_level(tones, sums, gram, level):  # type: ignore[no-untyped-def]
 
 
 @kernel('void(f8,f8,f8[:])', '(),()->()')
-def decibel(level, baseline, ratio):  # type: ignore[no-untyped-def]
+def decibel(level, baseline, ratio):
     """20 log10 of a ratio of levels; NaN where either is not positive."""
     ratio[0] = math.nan
     if level > 0.0 and baseline > 0.0 and math.isfinite(level / baseline):
@@ -170,7 +168,7 @@ def decibel(level, baseline, ratio):  # type: ignore[no-untyped-def]
 
 
 @kernel('void(u8[:],u8,u8[:])', '(n),()->()')
-def fingerprint(bits, before, after):  # type: ignore[no-untyped-def]
+def fingerprint(bits, before, after):
     """Carry a fingerprint on over the bits of a sample's voltages (FNV-1a over 64-bit words)."""
     total = before
     for i in range(bits.shape[0]):
