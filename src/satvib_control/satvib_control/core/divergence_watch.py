@@ -16,7 +16,7 @@ resets the controller; the third time is a fault. If not, the disturbance has gr
 law goes on as before. A hundred watch times in peace forgive one time.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from satvib_common.arrays import Array, Mask
@@ -24,10 +24,8 @@ from satvib_common.kernels.compile import kernel
 from satvib_common.signals.iir_filter import IirFilter
 from satvib_ident.models.iir_model import IirModel
 
+from satvib_control.core.parameters import CoreParameters
 from satvib_control.model_analysis.transfer import model_polynomials
-
-if TYPE_CHECKING:
-    from satvib_control.parameters import ControllerParameters
 
 STRIKES = 3.0
 # places in the memory
@@ -123,9 +121,7 @@ class DivergenceWatch:
         shape: leading axes.
     """
 
-    def __init__(
-        self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
-    ) -> None:
+    def __init__(self, parameters: CoreParameters, dt: float, shape: tuple[int, ...] = ()) -> None:
         self.shape, self.limit = shape, parameters.voltage_limit
         window = max(parameters.watch_time / dt, 2.0)
         self._settings = np.array([window, parameters.watch_ratio, parameters.watch_floor])

@@ -15,16 +15,18 @@ Everything has the leading axes `shape`. Per-sample arithmetic is elementwise or
 """
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.phases import Phase
 
+from satvib_control.laws.parameters import LawParameters
+
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
 
-    from satvib_control.parameters import ControllerParameters
+P = TypeVar('P', bound=LawParameters)
 
 
 @dataclass(frozen=True)
@@ -110,9 +112,8 @@ class Law(Protocol):
     closes_loop: bool
     state: LawState
 
-    def __init__(
-        self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
-    ) -> None: ...
+    def __init__(self, parameters: Any, dt: float, shape: tuple[int, ...] = ()) -> None:
+        """Take the parameters of the whole controller, the sample period (s) and the leading axes."""
 
     def step(self, x: LawInput, phase: Phase) -> Array:
         """Take a sample, of any phase, and give the wanted voltage (shape, V).
@@ -127,18 +128,18 @@ class Law(Protocol):
         `covariance` (*shape, n + m, n + m) is that of (a1..an, b1..bm).
         """
 
-    def apply(self, parameters: 'ControllerParameters') -> None:
+    def apply(self, parameters: Any) -> None:
         """Take new values of the parameters that are not read-only."""
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Forget the past where `mask` (shape) holds: filters at rest, gains at their start."""
 
 
-class BasicLaw:
+class BasicLaw(Generic[P]):
     """A law that needs no model and has no memory; a base that saves lines.
 
     Args:
-        parameters: the controller's parameters.
+        parameters: those of the whole controller. `BasicLaw[P]` says that the law reads those of the schema P only.
         dt: s, sample period.
         shape: leading axes.
     """
@@ -147,16 +148,14 @@ class BasicLaw:
     cancels = False
     closes_loop = True
 
-    def __init__(
-        self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
-    ) -> None:
+    def __init__(self, parameters: P, dt: float, shape: tuple[int, ...] = ()) -> None:
         self.parameters, self.dt, self.shape = parameters, dt, shape
         self.state = LawState(shape)
 
     def set_model(self, model: 'IirModel', trusted: Mask, covariance: Array | None = None) -> None:
         """Nothing to do without a model."""
 
-    def apply(self, parameters: 'ControllerParameters') -> None:
+    def apply(self, parameters: P) -> None:
         """Keep the parameters; a law reads what may change on each sample."""
         self.parameters = parameters
 

@@ -7,9 +7,10 @@ from satvib_common.arrays import Array
 from satvib_common.phases import Phase
 
 from satvib_control.laws.base import BasicLaw, LawInput
+from satvib_control.laws.parameters import LawParameters
 
 
-class Off(BasicLaw):
+class Off(BasicLaw[LawParameters]):
     """u = 0."""
 
     def step(self, x: LawInput, phase: Phase) -> Array:  # noqa: ARG002 - the interface

@@ -3,15 +3,12 @@
 """The laws by name, and how to make one, or a sum of them."""
 
 import importlib
-from typing import TYPE_CHECKING
 
 from satvib_common.errors import SatvibError
 
 from satvib_control.laws.base import Law
+from satvib_control.laws.parameters import LawParameters
 from satvib_control.laws.sum import LawSum
-
-if TYPE_CHECKING:
-    from satvib_control.parameters import ControllerParameters
 
 LAWS = {
     'off': 'satvib_control.laws.off:Off',
@@ -53,9 +50,7 @@ def law_classes(names: str) -> list[type[Law]]:
     return [law_class(name.strip()) for name in names.split('+')]
 
 
-def make_law(
-    name: str, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
-) -> Law:
+def make_law(name: str, parameters: LawParameters, dt: float, shape: tuple[int, ...] = ()) -> Law:
     """Make a law, or a sum of them, by name; `dt` in s.
 
     Raises:

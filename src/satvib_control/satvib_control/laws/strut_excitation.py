@@ -11,7 +11,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.schema import parse_yaml
 from satvib_ident.excitation import SIGNALS, make_excitation
 
-from satvib_control.parameters import ControllerParameters
+from satvib_control.laws.parameters import LawParameters
 
 
 def parse_options(options: tuple[str, ...]) -> dict[str, Any]:
@@ -37,7 +37,7 @@ class StrutSignals:
         name: str,
         amplitude: float,
         frequencies: tuple[float, ...],
-        parameters: ControllerParameters,
+        parameters: LawParameters,
         shape: tuple[int, ...] = (),
     ) -> None:
         p = parameters

@@ -27,11 +27,11 @@ from satvib_common.signals.iir_filter import IirFilter
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.laws.base import STATE_FIELDS, BasicLaw, Law, LawInput
+from satvib_control.laws.parameters import LawParameters
 from satvib_control.model_analysis.transfer import model_polynomials
-from satvib_control.parameters import ControllerParameters
 
 
-class LawSum(BasicLaw):
+class LawSum(BasicLaw[LawParameters]):
     """Several laws on one coil; see the module's page.
 
     Args:
@@ -44,7 +44,7 @@ class LawSum(BasicLaw):
     def __init__(
         self,
         laws: list[type[Law]],
-        parameters: ControllerParameters,
+        parameters: LawParameters,
         dt: float,
         shape: tuple[int, ...] = (),
     ) -> None:
@@ -59,7 +59,7 @@ class LawSum(BasicLaw):
         self._model = IirFilter([0.0, 0.0], [1.0, 0.0], shape)
         self._known = np.zeros(shape, dtype=bool)
 
-    def _shared(self, parameters: ControllerParameters) -> ControllerParameters:
+    def _shared(self, parameters: LawParameters) -> LawParameters:
         return parameters.replace(modulus_margin=self._budget)
 
     def set_model(self, model: IirModel, trusted: Mask, covariance: Array | None = None) -> None:
@@ -123,7 +123,7 @@ class LawSum(BasicLaw):
             state.adapting = state.adapting | law.state.adapting
             state.reason = np.where(state.reason == 0, law.state.reason, state.reason)
 
-    def apply(self, parameters: ControllerParameters) -> None:
+    def apply(self, parameters: LawParameters) -> None:
         """Hand new settings to every part."""
         super().apply(parameters)
         for law in self.parts:

@@ -23,6 +23,7 @@ from satvib_common.phases import Phase
 from satvib_common.signals.integrator import LeakyIntegrator
 
 from satvib_control.laws.base import BasicLaw, LawInput
+from satvib_control.laws.parameters import VelocityParameters
 from satvib_control.laws.reasons import reason
 from satvib_control.model_analysis.dominant_mode import polarity
 from satvib_control.model_analysis.gain_bounds import gain_bounds
@@ -30,17 +31,15 @@ from satvib_control.model_analysis.gain_bounds import gain_bounds
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
 
-    from satvib_control.parameters import ControllerParameters
-
 REDUCED = reason('the gain is reduced to the bound of the identified model')
 UNPROVEN = reason('no identified model: the fallback gain and the polarity as set, not proven')
 
 
-class VelocityFeedback(BasicLaw):
+class VelocityFeedback(BasicLaw[VelocityParameters]):
     """u = -g s H y; see the module's page."""
 
     def __init__(
-        self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
+        self, parameters: VelocityParameters, dt: float, shape: tuple[int, ...] = ()
     ) -> None:
         super().__init__(parameters, dt, shape)
         self._integrator = LeakyIntegrator(parameters.velocity_corner, dt, shape)

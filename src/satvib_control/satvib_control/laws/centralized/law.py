@@ -14,7 +14,7 @@ strut: with G_p alone, `velocity_feedback` with a fixed gain.
 One missing sensor leaves no mode known: the law gives 0 V to all struts for that sample.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from satvib_common.arrays import Array, Mask
@@ -25,10 +25,8 @@ from satvib_common.signals.integrator import leaky_integrator
 
 from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.centralized.geometry import mode_matrix, strut_matrix
+from satvib_control.laws.centralized.parameters import CentralizedParameters
 from satvib_control.laws.reasons import reason
-
-if TYPE_CHECKING:
-    from satvib_control.parameters import ControllerParameters
 
 BLIND = reason('0 V: the upper acceleration of a strut is missing, so no mode is known')
 
@@ -71,7 +69,7 @@ def modal_step(
             u[i] -= strut[i, m] * wanted
 
 
-class Centralized(BasicLaw):
+class Centralized(BasicLaw[CentralizedParameters]):
     """The law on the last axis of `shape`, which counts all struts; see the module's page.
 
     Raises:
@@ -79,10 +77,8 @@ class Centralized(BasicLaw):
     """
 
     def __init__(
-        self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
+        self, parameters: CentralizedParameters, dt: float, shape: tuple[int, ...] = ()
     ) -> None:
-        from satvib_control.laws.centralized.parameters import CentralizedParameters
-
         p = parameters
         if not isinstance(p, CentralizedParameters) or shape[-1:] != (p.struts,):
             raise SatvibError(

@@ -31,6 +31,7 @@ from satvib_control.laws.feedforward.backoff import watch
 from satvib_control.laws.feedforward.filtered_u import stabilize
 from satvib_control.laws.feedforward.fxlms import fxlms
 from satvib_control.laws.feedforward.fxrls import fxrls
+from satvib_control.laws.feedforward.parameters import FeedforwardParameters
 from satvib_control.laws.feedforward.reaction import ReferenceProtection, loop_gain
 from satvib_control.laws.feedforward.regressor import FilteredReference
 from satvib_control.laws.feedforward.regressor_kernel import inner
@@ -38,8 +39,6 @@ from satvib_control.laws.reasons import reason
 
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
-
-    from satvib_control.parameters import ControllerParameters
 
 NO_MODEL = reason('no trusted identified model: 0 V')
 MISSING = reason('feedforward: the lower acceleration is missing: 0 V')
@@ -58,7 +57,7 @@ RAIL_TIME = 0.05  # s, time constant with which the weights shrink while saturat
 ACTING = (Phase.ADAPT, Phase.CONTROL)
 
 
-class Feedforward(BasicLaw):
+class Feedforward(BasicLaw[FeedforwardParameters]):
     """u = w^T phi; see the module's page.
 
     Attributes:
@@ -71,7 +70,7 @@ class Feedforward(BasicLaw):
     closes_loop = False
 
     def __init__(
-        self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
+        self, parameters: FeedforwardParameters, dt: float, shape: tuple[int, ...] = ()
     ) -> None:
         super().__init__(parameters, dt, shape)
         p = parameters
@@ -103,7 +102,7 @@ class Feedforward(BasicLaw):
         window = max(round(p.watch_time / dt), 1)
         self._watch_settings = np.array([window, p.watch_ratio, p.feedforward_floor])
 
-    def apply(self, parameters: 'ControllerParameters') -> None:
+    def apply(self, parameters: FeedforwardParameters) -> None:
         """Take new settings; those that shape the filter are read-only."""
         super().apply(parameters)
         self._tune()

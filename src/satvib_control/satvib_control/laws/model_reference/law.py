@@ -34,7 +34,6 @@ move only when `adapt_in_control` is set, with y_m = 0: the gradient of the vibr
 
 import cmath
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from satvib_common.arrays import Array, Mask
@@ -45,6 +44,7 @@ from satvib_ident.models.iir_model import IirModel
 from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.model_reference import step as place
 from satvib_control.laws.model_reference.adaptation import move
+from satvib_control.laws.model_reference.parameters import ModelReferenceParameters
 from satvib_control.laws.model_reference.reference_model import designed_model
 from satvib_control.laws.model_reference.step import pid_step
 from satvib_control.laws.reasons import reason
@@ -54,9 +54,6 @@ from satvib_control.model_analysis.gain_bounds import gain_bounds
 from satvib_control.model_analysis.gain_projection import loop_grid, ray
 from satvib_control.model_analysis.transfer import model_polynomials, multiply, value
 
-if TYPE_CHECKING:
-    from satvib_control.parameters import ControllerParameters
-
 NO_MODEL = reason('no trusted identified model: 0 V')
 UNATTAINABLE = reason('the wanted damping is not attainable within the modulus margin')
 SATURATED = reason('adaptation frozen: the voltage is saturated')
@@ -65,13 +62,13 @@ IDLE = reason('adaptation frozen: not excited')
 GAINS = ('kp', 'ki', 'kd')
 
 
-class ModelReference(BasicLaw):
+class ModelReference(BasicLaw[ModelReferenceParameters]):
     """Adaptive PID; see the module's page."""
 
     needs_model = True
 
     def __init__(
-        self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
+        self, parameters: ModelReferenceParameters, dt: float, shape: tuple[int, ...] = ()
     ) -> None:
         super().__init__(parameters, dt, shape)
         p = parameters
@@ -98,7 +95,7 @@ class ModelReference(BasicLaw):
         self.state.reason = np.full(shape, NO_MODEL)
         self._show_gains()
 
-    def apply(self, parameters: 'ControllerParameters') -> None:
+    def apply(self, parameters: ModelReferenceParameters) -> None:
         """Take the settings of the adaptation."""
         super().apply(parameters)
         p, s = parameters, self._settings

@@ -43,14 +43,13 @@ from satvib_control.laws.narrowband import step as nk
 from satvib_control.laws.narrowband import tracker as tt
 from satvib_control.laws.narrowband.margin import margin_grid
 from satvib_control.laws.narrowband.model_correction import FIXED_AT, UNTAUGHT
+from satvib_control.laws.narrowband.parameters import NarrowbandParameters
 from satvib_control.laws.narrowband.search import grid_size
 from satvib_control.laws.reasons import reason
 from satvib_control.model_analysis.transfer import model_polynomials
 
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
-
-    from satvib_control.parameters import ControllerParameters
 
 NO_MODEL = reason('no trusted identified model: 0 V')
 NOTHING = reason('no tone stands out of the noise: 0 V')
@@ -61,14 +60,14 @@ SLOWED = reason('slowed down to keep the modulus margin')
 PAST = 4.0  # s of the past that a new model is run over
 
 
-class Narrowband(BasicLaw):
+class Narrowband(BasicLaw[NarrowbandParameters]):
     """Resonators on tracked tones; see the module's page."""
 
     needs_model = True
     cancels = True
 
     def __init__(
-        self, parameters: 'ControllerParameters', dt: float, shape: tuple[int, ...] = ()
+        self, parameters: NarrowbandParameters, dt: float, shape: tuple[int, ...] = ()
     ) -> None:
         super().__init__(parameters, dt, shape)
         p = parameters
@@ -109,7 +108,7 @@ class Narrowband(BasicLaw):
         self._points = np.zeros((*self.shape, points, 3))
         self._known = np.zeros(self.shape, dtype=bool)
 
-    def apply(self, parameters: 'ControllerParameters') -> None:
+    def apply(self, parameters: NarrowbandParameters) -> None:
         """Take a new voltage limit."""
         super().apply(parameters)
         self._settings[tt.VOLTAGE] = parameters.voltage_limit

@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of what surrounds a law: guard, sensors, divergence watch and the excitation of IDENTIFY."""
+
+from dataclasses import dataclass
+
+from satvib_common.errors import SatvibError
+from satvib_common.schema import param
+
+from satvib_control.laws.parameters import LawParameters
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoreParameters(LawParameters):
+    """What `ControllerCore` reads for itself."""
+
+    slew_limit: float = param(
+        0.0,
+        'largest rate of change of the voltage; 0: none',
+        unit='V/s',
+        minimum=0.0,
+        read_only=True,
+    )
+    switch_on_time: float = param(
+        0.2,
+        'time over which the voltage of the law rises to its full value when CONTROL begins',
+        unit='s',
+        minimum=0.0,
+        maximum=60.0,
+    )
+    calibration_limit: float = param(
+        1.0,
+        'largest standard deviation of the upper sensor in CALIBRATE; with more the sensor was not '
+        'at rest, and the controller refuses to act',
+        unit='m/s^2',
+        above=0.0,
+    )
+    loss_limit: int = param(
+        20,
+        'number of missing or not finite upper samples in a row that latches a fault; fewer give '
+        '0 V each',
+        unit='samples',
+        minimum=1,
+    )
+    rms_window: float = param(
+        1.0, 'window of the running RMS', unit='s', above=0.0, maximum=600.0, read_only=True
+    )
+    watch_floor: float = param(
+        0.1,
+        'vibration below which no law is checked as its possible cause',
+        unit='m/s^2',
+        minimum=0.0,
+        read_only=True,
+    )
+    excitation: str = param('squares', 'signal of IDENTIFY, by its name', read_only=True)
+    excitation_amplitude: float = param(
+        10.0, 'largest voltage of the excitation', unit='V', minimum=0.0, read_only=True
+    )
+    excitation_frequencies: tuple[float, ...] = param(
+        (1.0, 2.0), 'frequencies of the excitation; those of the paper', unit='Hz', above=0.0,
+        read_only=True,
+    )  # fmt: skip
+
+    def check(self) -> None:
+        """Check the excitation against voltage limit and sample rate."""
+        super().check()
+        if self.excitation_amplitude > self.voltage_limit:
+            raise SatvibError(
+                f'excitation_amplitude: {self.excitation_amplitude} V is more than voltage_limit, '
+                f'{self.voltage_limit} V'
+            )
+        self.check_frequencies('excitation_frequencies')
