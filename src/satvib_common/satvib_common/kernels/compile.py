@@ -10,6 +10,7 @@ Compiled code is cached beside the source, or in NUMBA_CACHE_DIR (see `kernel_ca
 """
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from numba import guvectorize
@@ -35,6 +36,9 @@ def kernel(
     """
 
     def decorate(function: Callable[..., None]) -> Kernel:
+        # Numba keeps what it compiles by the path of the source: one path, however a build has linked to it
+        code = function.__code__
+        function.__code__ = code.replace(co_filename=str(Path(code.co_filename).resolve()))
         with own_folder(function, signature, layout, repr(writable)):
             compiled: Kernel = guvectorize(
                 [signature], layout, nopython=True, cache=True, writable_args=writable

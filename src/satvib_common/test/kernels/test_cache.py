@@ -91,3 +91,13 @@ def test_what_a_killed_process_left_is_not_used(folder):
         file.write_bytes(b'half a file')
     assert result(start(folder)) == '[3.0, 3.0]'
     assert (only / 'complete').exists()
+
+
+def test_a_linked_path_loads_what_the_source_compiled(folder, tmp_path_factory):
+    """A colcon build links to the sources; both paths share one compiled kernel."""
+    assert result(start(folder)) == '[3.0, 3.0]'
+    linked = tmp_path_factory.mktemp('build') / 'linked'
+    linked.symlink_to(folder)
+    assert result(start(linked)) == '[3.0, 3.0]'
+    (only,) = kept(folder)
+    assert len([p for p in only.iterdir() if p.is_dir()]) == 1
