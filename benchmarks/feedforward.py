@@ -30,7 +30,7 @@ from satvib_experiment.analysis.levels import spectrum
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import ClosedLoop
 from satvib_ident.models.iir_model import IirModel
-from satvib_plant_sim.rig.any_rig import make_plant
+from satvib_plant_sim.plant.any_plant import make_plant
 from satvib_studies.sweep.tables import fill, plain_markdown
 
 SETTINGS = {

@@ -27,6 +27,7 @@ from satvib_control.laws.narrowband import law as narrowband
 from satvib_experiment.scenario.scenario import Scenario, load_scenario
 from satvib_experiment.twin.closed_loop import ClosedLoop
 from satvib_ident.models.iir_model import IirModel
+from satvib_plant_sim.rig.random_rig import random_payload
 from satvib_plant_sim.rig.rig import Rig, load_rig
 from satvib_studies.sweep.tables import fill
 
@@ -70,26 +71,7 @@ def scenario_of(rig: str, law: str, seed: int, end: float = END) -> Scenario:
 def drawn_rig(name: str, trial: int) -> Rig:
     """The nominal rig for trial 0, a drawn one for any other."""
     nominal = load_rig(name)
-    if trial == 0:
-        return nominal
-    rng = np.random.default_rng([7, trial])
-
-    def about(value: float, share: float) -> float:
-        return value * (1.0 + share * (2.0 * float(rng.random()) - 1.0))
-
-    return load_rig(
-        name,
-        {
-            'payload.mass': about(nominal.payload.mass, 0.3),
-            'struts.stiffness': about(nominal.struts.stiffness, 0.3),
-            'coil.force_constant': about(nominal.coil.force_constant, 0.1),
-            'coil.resistance': about(nominal.coil.resistance, 0.125),
-            'coil.inductance': about(nominal.coil.inductance, 0.3),
-            'acquisition.input_delay': max(
-                nominal.acquisition.input_delay + 1e-3 * (2.0 * float(rng.random()) - 1.0), 0.0
-            ),
-        },
-    )
+    return nominal if trial == 0 else random_payload(nominal, np.random.default_rng([7, trial]))
 
 
 def nominal_model(rig: str, law: str) -> tuple[IirModel, Array]:

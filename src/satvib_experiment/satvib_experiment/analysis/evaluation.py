@@ -142,9 +142,9 @@ def _attenuation(level: dict[str, Array], baseline: dict[str, Array]) -> dict[st
 def _noise(recording: Recording) -> float:
     if recording.rig is None:
         return float('nan')
-    from satvib_plant_sim.rig.any_rig import noise_floor_of
+    from satvib_plant_sim.physics.noise import noise_floor
 
-    return noise_floor_of(recording.rig)
+    return noise_floor(recording.rig)
 
 
 def _floor(

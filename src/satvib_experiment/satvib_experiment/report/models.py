@@ -104,7 +104,7 @@ def true_response(context: Context, strut: int, frequency: Array) -> Complex:
         strut: index.
         frequency: (f,) Hz.
     """
-    from satvib_plant_sim.rig.any_rig import strut_response
+    from satvib_plant_sim.responses.one_strut import strut_response
 
     assert context.recording.rig is not None
     return strut_response(context.recording.rig, strut, frequency)

@@ -56,4 +56,15 @@ def make_disturbance(settings: Any, where: str = 'disturbance') -> Disturbance:
     if kind not in _KINDS:
         what = 'kind: missing' if kind is None else f'kind: {kind!r} is not known'
         raise SatvibError(f'{where}: {what} (kinds: {", ".join(_KINDS)})')
+    if kind == 'sum':
+        settings = _with_terms(settings, where)
     return _KINDS[kind].from_mapping(settings, where)
+
+
+def _with_terms(settings: Mapping[str, Any], where: str) -> Mapping[str, Any]:
+    """Build the terms of a sum first, so that a message names the term that is wrong."""
+    terms = settings.get('terms')
+    if not isinstance(terms, list | tuple):
+        return settings
+    built = [make_disturbance(term, f'{where}: terms[{i}]') for i, term in enumerate(terms)]
+    return {**settings, 'terms': tuple(built)}

@@ -9,9 +9,10 @@ from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param, parse_yaml
 
 from satvib_plant_sim.disturbance import Disturbance, make_disturbance
+from satvib_plant_sim.plant.any_plant import AnyPlant
 from satvib_plant_sim.plant.failing_plant import FailingPlant, make_failing_plant
 from satvib_plant_sim.plant.failures import Failure
-from satvib_plant_sim.rig.any_rig import AnyPlant, AnyRig, load_any_rig
+from satvib_plant_sim.rig.any_rig import AnyRig, load_any_rig
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,9 +6,9 @@ from typing import Any
 
 from satvib_common.ros.convert import doubles, set_stamp
 
+from satvib_plant_sim.plant.any_plant import AnyPlant
 from satvib_plant_sim.plant.failing_plant import FailingPlant
 from satvib_plant_sim.plant.plant import Sample, Truth
-from satvib_plant_sim.rig.any_rig import AnyPlant
 
 
 class StrutMessages:

@@ -19,6 +19,8 @@ from scipy.linalg import cholesky
 
 from satvib_plant_sim.physics.matrix_exponential import exponential
 from satvib_plant_sim.physics.sensor_chain import noise_intensity, sensor_chain
+from satvib_plant_sim.rig.any_rig import AnyRig
+from satvib_plant_sim.rig.identified_rig import IirRig
 from satvib_plant_sim.rig.rig import Accelerometer, Acquisition, Rig
 
 BLOCK = 128
@@ -29,8 +31,10 @@ def noise_covariance(rig: Rig) -> Array:
     return _noise_model(rig.accelerometer, rig.acquisition)[3]
 
 
-def noise_floor(rig: Rig) -> float:
+def noise_floor(rig: AnyRig) -> float:
     """Give what one channel reads at rest, RMS about its mean, m/s^2: sensor noise and quantization (lsb^2 / 12)."""
+    if isinstance(rig, IirRig):
+        return rig.noise_floor()
     lsb = quantum(rig)
     return float(np.sqrt(noise_covariance(rig)[-1, -1] + lsb * lsb / 12.0))
 

@@ -19,10 +19,11 @@ from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 
 from satvib_plant_sim.disturbance import Disturbance, make_disturbance
+from satvib_plant_sim.plant.any_plant import AnyPlant, make_plant
 from satvib_plant_sim.plant.failures import ACTUATOR, CONTROLLER, DISTURBANCE, RIG, SENSOR, Failure
 from satvib_plant_sim.plant.observation import Sample, Truth
 from satvib_plant_sim.plant.plant import Plant
-from satvib_plant_sim.rig.any_rig import AnyPlant, AnyRig, make_plant
+from satvib_plant_sim.rig.any_rig import AnyRig
 
 COMMAND_TIMEOUT = 0.05  # s, that of the plant's node
 

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex
 
 from satvib_plant_sim.responses.continuous import state_space
+from satvib_plant_sim.rig.any_rig import AnyRig
 from satvib_plant_sim.rig.rig import Acquisition, Rig
 from satvib_plant_sim.stepping.discretize import transition
 
@@ -109,14 +110,26 @@ def hold_taps(A: Array, B: Array, acquisition: Acquisition) -> tuple[Array, list
     return whole, [G1 / T, G0 - G1 / T + (1.0 - part) * P0 + P1 / T, part * P0 - P1 / T], late
 
 
-def discrete_strut_model(rig: Rig, strut: int = 0) -> SampledModel:
-    """Give the sampled model of one strut (0 is the first)."""
+def discrete_strut_model(rig: Rig, strut_index: int = 0) -> SampledModel:
+    """Give the sampled model of one strut (index 0 is the first)."""
     n, T = rig.struts.count, rig.acquisition.period
     system = state_space(rig)
     # this strut's own chain and the mechanics; the other chains only listen
-    own = 3 * n + 2 + strut + (n + 1) * np.arange((len(system.A) - 3 * n - 2) // (n + 1))
+    own = 3 * n + 2 + strut_index + (n + 1) * np.arange((len(system.A) - 3 * n - 2) // (n + 1))
     keep = np.concatenate([np.arange(3 * n + 2), own])
-    A, b = system.A[np.ix_(keep, keep)], system.B[keep, strut : strut + 1]
-    c = system.C[n + 1 + strut, keep]
+    A, b = system.A[np.ix_(keep, keep)], system.B[keep, strut_index : strut_index + 1]
+    c = system.C[n + 1 + strut_index, keep]
     whole, taps, late = hold_taps(A, b, rig.acquisition)
     return SampledModel(whole, np.hstack(taps), c, late, T)
+
+
+def strut_response(rig: AnyRig, strut_index: int, frequency: Array) -> Complex:
+    """Give the exact sampled response (f,) from a strut's voltage to its own reading, m/s^2 per V, at (f,) Hz."""
+    if isinstance(rig, Rig):
+        return discrete_strut_model(rig, strut_index).response(frequency)
+    model = rig.models[strut_index]
+    z = np.exp(-2j * np.pi * frequency * rig.acquisition.period)
+    response: Complex = (
+        z**model.delay * np.polyval(model.b[::-1], z) / np.polyval([*model.a[::-1], 1.0], z)
+    )
+    return response

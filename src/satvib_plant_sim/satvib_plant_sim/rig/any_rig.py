@@ -1,28 +1,59 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a rig of either kind, mechanical or identified, can be asked for."""
+"""A rig of either kind: mechanical (`Rig`), or made of identified models (`IirRig`)."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
-import numpy as np
-from satvib_common.arrays import Array, Complex
+from satvib_common.errors import SatvibError
+from satvib_common.schema import load_yaml
 
-from satvib_plant_sim.disturbance import Disturbance
-from satvib_plant_sim.physics.noise import noise_floor
-from satvib_plant_sim.plant.identified_plant import IirPlant
-from satvib_plant_sim.plant.plant import Plant
-from satvib_plant_sim.responses.one_strut import discrete_strut_model
-from satvib_plant_sim.rig.identified_rig import IirRig, load_any_rig
-from satvib_plant_sim.rig.rig import Rig
+from satvib_plant_sim.rig.identified_rig import IirRig
+from satvib_plant_sim.rig.rig import Rig, apply_overrides, load_rig, read_rig
 
 AnyRig = Rig | IirRig
-AnyPlant = Plant | IirPlant
 
-__all__ = [
-    'AnyPlant', 'AnyRig', 'load_any_rig', 'make_plant', 'noise_floor_of', 'rig_from_mapping',
-    'strut_count', 'strut_response', 'without_noise',
-]  # fmt: skip
+_MODEL_FORMAT = 'satvib-model-1'
+
+
+def load_any_rig(name_or_path: str | Path, overrides: Mapping[str, Any] | None = None) -> AnyRig:
+    """Load a rig of either kind, as `load_rig` does; the models' files are read too.
+
+    Raises:
+        SatvibError: as `load_rig`; a model that is missing, unstable, or of another sample rate.
+    """
+    data, where = read_rig(name_or_path)
+    if data.get('plant') != 'iir':
+        return load_rig(name_or_path, overrides)
+    models = data.get('models')
+    rate = (data.get('acquisition') or {}).get('sample_rate')
+    if isinstance(models, list):
+        folder = Path(name_or_path).parent
+        data = {**data, 'models': [_read_model(m, folder, rate, where) for m in models]}
+    rig = IirRig.from_mapping({'name': Path(name_or_path).stem, **data}, where)
+    if not overrides:
+        return rig
+    return IirRig.from_mapping(apply_overrides(rig.to_mapping(), overrides, where), where)
+
+
+def _read_model(entry: Any, folder: Path, rate: Any, where: str) -> Any:
+    """Replace the key `file` of a model by the content of that file."""
+    if not isinstance(entry, Mapping) or 'file' not in entry:
+        return entry
+    path = folder / str(entry['file'])
+    data = load_yaml(path)
+    if not isinstance(data, Mapping) or data.get('format') != _MODEL_FORMAT:
+        raise SatvibError(f'{where}: models: {path} is not a model file ({_MODEL_FORMAT})')
+    model = dict(data.get('model') or {})
+    period = model.pop('sample_period', None)
+    if not isinstance(period, float) or not isinstance(rate, int | float):
+        raise SatvibError(f'{where}: models: {path}: its sample period or the rig rate is missing')
+    if abs(period * rate - 1.0) > 1e-6:
+        raise SatvibError(
+            f'{where}: models: {path} is sampled at {1.0 / period:g} Hz, the rig at {rate:g} Hz'
+        )
+    return {**model, **{k: v for k, v in entry.items() if k != 'file'}}
 
 
 def rig_from_mapping(data: Any, where: str = '') -> AnyRig:
@@ -32,26 +63,9 @@ def rig_from_mapping(data: Any, where: str = '') -> AnyRig:
     return Rig.from_mapping(data, where)
 
 
-def make_plant(
-    rig: AnyRig | Sequence[AnyRig],
-    disturbance: Disturbance | Sequence[Disturbance],
-    seed: int | Sequence[int],
-) -> AnyPlant:
-    """Give the plant that fits a rig, or a batch of rigs of one kind."""
-    first = rig if isinstance(rig, Rig | IirRig) else rig[0]
-    if isinstance(first, IirRig):
-        return IirPlant(rig, disturbance, seed)  # type: ignore[arg-type]
-    return Plant(rig, disturbance, seed)  # type: ignore[arg-type]
-
-
 def strut_count(rig: AnyRig) -> int:
     """Give the number of struts."""
     return len(rig.models) if isinstance(rig, IirRig) else rig.struts.count
-
-
-def noise_floor_of(rig: AnyRig) -> float:
-    """Give what a reading at rest shows, RMS about its mean, m/s^2."""
-    return rig.noise_floor() if isinstance(rig, IirRig) else noise_floor(rig)
 
 
 def without_noise(rig: AnyRig) -> AnyRig:
@@ -62,15 +76,3 @@ def without_noise(rig: AnyRig) -> AnyRig:
         accelerometer=rig.accelerometer.replace(noise_rms=0.0),
         acquisition=rig.acquisition.replace(input_bits=0),
     )
-
-
-def strut_response(rig: AnyRig, strut: int, frequency: Array) -> Complex:
-    """Give the exact sampled response (f,) from a strut's voltage to its own reading, m/s^2 per V, at (f,) Hz."""
-    if isinstance(rig, Rig):
-        return discrete_strut_model(rig, strut).response(frequency)
-    model = rig.models[strut]
-    z = np.exp(-2j * np.pi * frequency * rig.acquisition.period)
-    response: Complex = (
-        z**model.delay * np.polyval(model.b[::-1], z) / np.polyval([*model.a[::-1], 1.0], z)
-    )
-    return response

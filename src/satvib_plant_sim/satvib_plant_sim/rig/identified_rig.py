@@ -15,18 +15,11 @@ that `satvib identify --save` wrote:
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from satvib_common.errors import SatvibError
-from satvib_common.schema import Schema, load_yaml, param
-
-from satvib_plant_sim.rig.rig import Rig, apply_overrides, load_rig, read_rig
-
-_MODEL_FORMAT = 'satvib-model-1'
+from satvib_common.schema import Schema, param
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,44 +77,3 @@ class IirRig(Schema):
     def noise_floor(self) -> float:
         """Give what a reading at rest shows, RMS about its mean, m/s^2."""
         return math.hypot(self.noise_rms, self.quantum / math.sqrt(12.0))
-
-
-def load_any_rig(
-    name_or_path: str | Path, overrides: Mapping[str, Any] | None = None
-) -> Rig | IirRig:
-    """Load a rig of either kind, as `load_rig` does; files of models are taken in.
-
-    Raises:
-        SatvibError: as `load_rig`; a model that is missing, unstable, or of another sample rate.
-    """
-    data, where = read_rig(name_or_path)
-    if data.get('plant') != 'iir':
-        return load_rig(name_or_path, overrides)
-    models = data.get('models')
-    rate = (data.get('acquisition') or {}).get('sample_rate')
-    if isinstance(models, list):
-        folder = Path(name_or_path).parent
-        data = {**data, 'models': [_model(m, folder, rate, where) for m in models]}
-    rig = IirRig.from_mapping({'name': Path(name_or_path).stem, **data}, where)
-    if not overrides:
-        return rig
-    return IirRig.from_mapping(apply_overrides(rig.to_mapping(), overrides, where), where)
-
-
-def _model(entry: Any, folder: Path, rate: Any, where: str) -> Any:
-    """Put what a model's file says in the place of its name."""
-    if not isinstance(entry, Mapping) or 'file' not in entry:
-        return entry
-    path = folder / str(entry['file'])
-    data = load_yaml(path)
-    if not isinstance(data, Mapping) or data.get('format') != _MODEL_FORMAT:
-        raise SatvibError(f'{where}: models: {path} is not a model file ({_MODEL_FORMAT})')
-    model = dict(data.get('model') or {})
-    period = model.pop('sample_period', None)
-    if not isinstance(period, float) or not isinstance(rate, int | float):
-        raise SatvibError(f'{where}: models: {path}: its sample period or the rig rate is missing')
-    if abs(period * rate - 1.0) > 1e-6:
-        raise SatvibError(
-            f'{where}: models: {path} is sampled at {1.0 / period:g} Hz, the rig at {rate:g} Hz'
-        )
-    return {**model, **{k: v for k, v in entry.items() if k != 'file'}}

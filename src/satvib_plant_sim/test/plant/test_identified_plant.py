@@ -8,10 +8,12 @@ import yaml
 from numpy.testing import assert_allclose, assert_array_equal
 from satvib_common.errors import SatvibError
 from satvib_plant_sim.disturbance import make_disturbance
+from satvib_plant_sim.plant.any_plant import make_plant
 from satvib_plant_sim.plant.identified_plant import IirPlant
 from satvib_plant_sim.plant.plant import Plant
-from satvib_plant_sim.rig.any_rig import make_plant, strut_response
-from satvib_plant_sim.rig.identified_rig import IirRig, load_any_rig
+from satvib_plant_sim.responses.one_strut import strut_response
+from satvib_plant_sim.rig.any_rig import load_any_rig
+from satvib_plant_sim.rig.identified_rig import IirRig
 from satvib_plant_sim.rig.rig import load_rig
 from scipy.signal import lfilter
 

@@ -19,6 +19,7 @@ from satvib_common.schema import Schema, load_yaml, param
 from satvib_common.settings_text import apply_overrides
 from satvib_experiment.scenario.scenario import Scenario, check_scenario
 from satvib_plant_sim.plant.failures import Failure
+from satvib_plant_sim.rig.random_rig import random_parts
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.sweep.sweep import merged
@@ -104,19 +105,7 @@ class Comparison(Schema):
 
 def drawn_rig(rig: Rig, seed: int) -> Rig:
     """Give the rig that a seed has, within the tolerances of its parts."""
-    draw = np.random.default_rng([seed, STREAM])
-    stiff, force = draw.uniform(-0.05, 0.05, 3), draw.uniform(-0.1, 0.1, 3)
-    damping = rig.struts.damping * (1.0 + 0.3 * draw.uniform(-1.0, 1.0))
-
-    def scaled(scale: Sequence[float], part: Any) -> tuple[float, ...]:
-        return tuple(float(s * (1.0 + p)) for s, p in zip(scale, part, strict=False))
-
-    return rig.replace(
-        struts=rig.struts.replace(
-            stiffness_scale=scaled(rig.struts.stiffness_scale, stiff), damping=float(damping)
-        ),
-        coil=rig.coil.replace(force_scale=scaled(rig.coil.force_scale, force)),
-    )
+    return random_parts(rig, np.random.default_rng([seed, STREAM]))
 
 
 def replayable(comparison: Comparison, scheme: str, case: str, seed: int) -> Scenario:

@@ -26,8 +26,8 @@ from satvib_common.schema import Schema, param
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_control.laws.centralized.geometry import mode_matrix, strut_matrix
 from satvib_plant_sim.disturbance import Disturbance
+from satvib_plant_sim.physics.noise import noise_floor
 from satvib_plant_sim.responses.all_struts import rig_response
-from satvib_plant_sim.rig.any_rig import noise_floor_of
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.tuning.loop_cost import MARGIN, RESULTS, TILT, TURNS, VOLTS, W, loop_figures
@@ -76,7 +76,7 @@ class TuningCost:
         spectrum = spectrum_of(disturbance, rig, p.seed, p.duration)
         self.frequency, self.power = spectrum.frequency, spectrum.power
         half = 0.5 * rig.acquisition.sample_rate
-        self.noise = noise_floor_of(rig) ** 2 * spectrum.width / half
+        self.noise = noise_floor(rig) ** 2 * spectrum.width / half
         found = [rig_response(plant, self.frequency) for plant in self.plants]
         self._responses = [
             np.stack([getattr(r, name) for r in found])

@@ -18,6 +18,7 @@ from satvib_plant_sim.disturbance.sine import Sine
 from satvib_plant_sim.disturbance.tones import Tones
 from satvib_plant_sim.physics.modes import modal_frequencies
 from satvib_plant_sim.responses.continuous import frequency_response, source_transfer
+from satvib_plant_sim.rig.random_rig import random_build
 from satvib_plant_sim.rig.rig import Rig
 from scipy.signal import welch
 
@@ -28,38 +29,10 @@ _SPACING = 0.25  # Hz
 def perturbed(rig: Rig, count: int, seed: int) -> list[Rig]:
     """Give the rig, and `count` - 1 rigs that differ from it as rigs of one drawing do.
 
-    Payload +-30 %, stiffness +-20 % in common and +-10 % from strut to strut, damping +-30 %, force constant +-10 % of
-    each coil, up to 1 ms more latency. Plant i has the same numbers however many there are.
+    They are those of `random_build`; plant i has the same numbers for any count.
     """
-    plants = [rig]
-    for i in range(1, count):
-        draw = np.random.default_rng([seed, STREAM, i])
-
-        def spread(part: float, size: int = 3, draw: np.random.Generator = draw) -> list[float]:
-            return [float(v) for v in 1.0 + part * draw.uniform(-1.0, 1.0, size)]
-
-        payload, common, damping = spread(0.3, 1)[0], spread(0.2, 1)[0], spread(0.3, 1)[0]
-        own, force = spread(0.1), spread(0.1)
-        late = float(draw.uniform(0.0, 1e-3))
-        stiffness = tuple(
-            s * common * o for s, o in zip(rig.struts.stiffness_scale, own, strict=False)
-        )
-        scale = tuple(s * o for s, o in zip(rig.coil.force_scale, force, strict=False))
-        inertia = rig.payload.inertia
-        plants.append(
-            rig.replace(
-                payload=rig.payload.replace(
-                    mass=rig.payload.mass * payload,
-                    inertia=None if inertia is None else inertia * payload,
-                ),
-                struts=rig.struts.replace(
-                    stiffness_scale=stiffness, damping=rig.struts.damping * damping
-                ),
-                coil=rig.coil.replace(force_scale=scale),
-                acquisition=rig.acquisition.replace(input_delay=rig.acquisition.input_delay + late),
-            )
-        )
-    return plants
+    draws = (np.random.default_rng([seed, STREAM, i]) for i in range(1, count))
+    return [rig, *(random_build(rig, draw) for draw in draws)]
 
 
 @dataclass(frozen=True)
