@@ -77,13 +77,11 @@ def test_only_compiled_functions_have_no_types():
             and any(ast.unparse(d).startswith(compiled) for d in node.decorator_list)
             for part in ast.walk(node)
         }
-        for node in ast.walk(tree):
-            if (
-                isinstance(node, ast.FunctionDef)
-                and node.returns is None
-                and id(node) not in inside
-            ):
-                found.append(f'{path.relative_to(ROOT)}:{node.lineno}: {node.name}')
+        found += [
+            f'{path.relative_to(ROOT)}:{node.lineno}: {node.name}'
+            for node in ast.walk(tree)
+            if isinstance(node, ast.FunctionDef) and node.returns is None and id(node) not in inside
+        ]
     assert not found
 
 

@@ -18,12 +18,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.arrays import Array, Mask
+from satvib_common.kernels.dot import dot
 from satvib_common.phases import Phase
 from satvib_common.sequence import Arrival, SequenceTracker
 from satvib_common.signals.calibration import BiasCalibration
 from scipy.special import chdtri
 
-from satvib_ident.covariance import ud
 from satvib_ident.estimators.factory import make_estimator, make_regressor
 from satvib_ident.models.iir_model import IirModel
 from satvib_ident.models.polynomials import pole_modulus
@@ -200,7 +200,7 @@ class IdentifierCore:
                 recent.clear(~full)
         active = full & self._excited(voltage) & (phase in self._phases)
         if self._gated:
-            long = ud.dot(w, w) >= self._floor
+            long = dot(w, w) >= self._floor
             self._short = self._short + (active & ~long)
             active = active & long
         working = bool(active.any())

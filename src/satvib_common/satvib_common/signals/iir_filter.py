@@ -7,22 +7,13 @@ from numpy.typing import ArrayLike
 
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.direct_form import filter_sample
 
 
 @kernel('void(f8[:], f8[:], f8[:], f8, f8[:])', '(m),(m),(k),()->()', writable=('state',))
 def iir_step(b, a, state, x, y):
-    """One sample of a direct form II transposed filter; `state` (m - 1, at least 1) changes in place.
-
-    `a` and `b` have equal length and a[0] is 1.
-    """
-    order = a.shape[0] - 1
-    out = b[0] * x
-    if order > 0:
-        out += state[0]
-        for i in range(order - 1):
-            state[i] = state[i + 1] + b[i + 1] * x - a[i + 1] * out
-        state[order - 1] = b[order] * x - a[order] * out
-    y[0] = out
+    """One sample per item; `state` (m - 1, at least 1) changes in place."""
+    y[0] = filter_sample(b, a, state, x)
 
 
 class IirFilter:

@@ -101,3 +101,63 @@ def test_a_linked_path_loads_what_the_source_compiled(folder, tmp_path_factory):
     assert result(start(linked)) == '[3.0, 3.0]'
     (only,) = kept(folder)
     assert len([p for p in only.iterdir() if p.is_dir()]) == 1
+
+
+MEMBER = """
+from enum import IntEnum
+import numbers_of_kernel
+from satvib_common.kernels.compile import kernel
+
+class Place(IntEnum):
+    SECOND = {place}
+
+@kernel('void(f8[:], f8[:])', '(n)->()')
+def pick(x, y):
+    y[0] = x[Place.SECOND] * numbers_of_kernel.FACTOR
+"""
+PICK = 'import numpy as np; import some_kernel; print(some_kernel.pick(np.arange(3.0)))'
+
+
+def run(folder, code, **variables):
+    path = os.pathsep.join([str(folder), *sys.path])
+    env = {k: v for k, v in os.environ.items() if k != 'NUMBA_CACHE_DIR'}
+    done = subprocess.run(
+        [sys.executable, '-c', code], env=env | {'PYTHONPATH': path} | variables,
+        capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_a_changed_constant_behind_a_module_or_an_enum_compiles_again(tmp_path):
+    """The kernel's own file keeps its text when a constant of another module changes."""
+    for place, factor, expected in [(1, 10.0, '10.0'), (1, 30.0, '30.0'), (2, 30.0, '60.0')]:
+        (tmp_path / 'numbers_of_kernel.py').write_text(f'FACTOR = {factor}')
+        (tmp_path / 'some_kernel.py').write_text(MEMBER.format(place=place))
+        assert run(tmp_path, PICK) == expected
+    enum = 'from enum import IntEnum\nclass Place(IntEnum):\n    SECOND = {}\n'
+    source = MEMBER.replace('from enum import IntEnum', 'from places_of_kernel import Place')
+    source = source.replace('class Place(IntEnum):\n    SECOND = {place}\n', '')
+    (tmp_path / 'some_kernel.py').write_text(source)
+    for place, expected in [(0, '0.0'), (2, '60.0')]:
+        (tmp_path / 'places_of_kernel.py').write_text(enum.format(place))
+        assert run(tmp_path, PICK) == expected
+
+
+def test_modules_and_kernels_of_the_same_name_keep_both(tmp_path):
+    """Two rooms with a `watch.py` and a kernel `look` each, in one NUMBA_CACHE_DIR: neither deletes the other's."""
+    source = KERNEL.replace('affine', 'look').replace('scaled(x[i])', 'x[i]')
+    source = source.replace('from helper_of_kernel import scaled\n', '')
+    for room, offset in [('one', 1.0), ('two', 2.0)]:
+        (tmp_path / room).mkdir()
+        (tmp_path / room / '__init__.py').touch()
+        (tmp_path / room / 'watch.py').write_text(source.format(offset=offset))
+    cache = tmp_path / 'cache'
+    code = 'import numpy as np; from {} import watch; print(watch.look(np.zeros(1)).tolist())'
+    found = []
+    for _ in range(2):
+        for room, expected in [('one', '[1.0]'), ('two', '[2.0]')]:
+            assert run(tmp_path, code.format(room), NUMBA_CACHE_DIR=str(cache)) == expected
+        found.append({p: p.stat().st_mtime_ns for p in cache.rglob('complete')})
+    assert len(found[0]) == 2
+    assert found[0].keys() == found[1].keys()

@@ -33,6 +33,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex
+from satvib_common.kernels.horner import polynomial
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.model_analysis.transfer import model_polynomials, value
@@ -47,18 +48,11 @@ def _roots(c: Array) -> Complex:
     return found
 
 
-def _response(c: Array, zi: Complex) -> Complex:
-    total = np.zeros_like(zi)
-    for coefficient in c[::-1]:
-        total = total * zi + coefficient
-    return total
-
-
 def _loop(b: Array, a: Array, cb: Array, ca: Array, f: Array) -> Complex:
     """C B/A at frequencies in shares of the sample rate."""
     zi = np.exp(-2j * math.pi * f)
-    top = _response(b, zi) * _response(cb, zi)
-    result: Complex = top / (_response(a, zi) * _response(ca, zi))
+    top = polynomial(b, zi) * polynomial(cb, zi)
+    result: Complex = top / (polynomial(a, zi) * polynomial(ca, zi))
     return result
 
 
@@ -71,7 +65,7 @@ def _peak(b: Array, a: Array, cb: Array, ca: Array) -> float:
 @lru_cache(maxsize=16384)
 def _peak_of(b: bytes, a: bytes, cb: bytes, ca: bytes) -> float:
     f, zi, top, bottom = _grid(cb, ca)
-    loop = _response(np.frombuffer(b), zi) * top / (_response(np.frombuffer(a), zi) * bottom)
+    loop = polynomial(np.frombuffer(b), zi) * top / (polynomial(np.frombuffer(a), zi) * bottom)
     return float(f[np.argmax(np.abs(loop))])
 
 
@@ -80,7 +74,7 @@ def _grid(cb: bytes, ca: bytes) -> tuple[Array, Any, Any, Any]:
     """Frequencies in shares of the sample rate, z^-1 there, and numerator and denominator of C."""
     f = np.geomspace(1e-3, 0.4, 300)
     zi = np.exp(-2j * math.pi * f)
-    return f, zi, _response(np.frombuffer(cb), zi), _response(np.frombuffer(ca), zi)
+    return f, zi, polynomial(np.frombuffer(cb), zi), polynomial(np.frombuffer(ca), zi)
 
 
 @lru_cache(maxsize=16384)

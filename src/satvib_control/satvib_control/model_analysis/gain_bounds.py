@@ -35,6 +35,7 @@ from numba import njit
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.horner import horner
 from scipy.special import gammaincinv
 
 from satvib_control.model_analysis.transfer import model_polynomials, stable
@@ -61,25 +62,16 @@ class GainBounds:
 
 
 @njit
-def _value(c: Any, zi: Any) -> complex:
-    """Polynomial in z^-1 at one point."""
-    total = 0.0j
-    for i in range(c.shape[0] - 1, -1, -1):
-        total = total * zi + c[i]
-    return total
-
-
-@njit
 def _limit(
     f: Any, side: Any, a: Any, b: Any, delay: Any, cb: Any, ca: Any, cov: Any, margin: Any
 ) -> float:
     """Smallest |K| of one sign (side 0: negative, 1: positive) that violates the margin at f (share of the rate)."""
     w = 2.0 * math.pi * f
     zi = complex(math.cos(w), -math.sin(w))
-    den = 1.0 + zi * _value(a, zi)
+    den = 1.0 + zi * horner(a, zi)
     zd = complex(math.cos(w * delay), -math.sin(w * delay))
-    c = _value(cb, zi) / _value(ca, zi)
-    g = zd * _value(b, zi) / den
+    c = horner(cb, zi) / horner(ca, zi)
+    g = zd * horner(b, zi) / den
     loop = c * g
     rho = 0.0
     n = a.shape[0]

@@ -14,6 +14,8 @@ from numba import njit
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.horner import horner, polynomial
+from satvib_common.kernels.schur_cohn import inside_unit_circle
 from satvib_ident.models.iir_model import IirModel
 
 
@@ -52,22 +54,14 @@ def multiply(p: ArrayLike, q: ArrayLike) -> Array:
 
 def value(c: ArrayLike, zi: complex) -> complex:
     """One polynomial (p,) at one z^-1, by Horner's rule."""
-    total = 0.0j
-    for coefficient in reversed(list(np.asarray(c, dtype=float))):
-        total = total * zi + float(coefficient)
-    return total
+    result: complex = polynomial(np.asarray(c, dtype=float).tolist(), zi)
+    return result
 
 
 @njit
 def ratio(b: Any, a: Any, zi: complex) -> complex:
     """B/A at one z^-1, by Horner's rule, for kernels."""
-    top = 0.0j
-    for i in range(b.shape[0] - 1, -1, -1):
-        top = top * zi + b[i]
-    bottom = 0.0j
-    for i in range(a.shape[0] - 1, -1, -1):
-        bottom = bottom * zi + a[i]
-    return top / bottom
+    return horner(b, zi) / horner(a, zi)
 
 
 @njit
@@ -78,27 +72,10 @@ def respond(b: Any, a: Any, omega: float) -> complex:
 
 @kernel('void(f8[:], f8[:])', '(n)->()')
 def stable(a: Any, out: Any) -> None:
-    """1 where all roots in z of a polynomial in z^-1 lie inside the unit circle, by Jury's recursion; else 0.
-
-    Source: Jury, Theory and Application of the z-Transform Method, 1964 (the Schur-Cohn criterion).
-    """
-    order = a.shape[0] - 1
-    work = a.copy()
-    nxt = a.copy()
-    out[0] = 1.0
-    for i in range(order + 1):
-        if not np.isfinite(work[i]):
-            out[0] = 0.0
+    """1 where all roots in z of a polynomial in z^-1 lie inside the unit circle, else 0; a[0] may be any but 0."""
+    out[0] = 0.0
+    for i in range(a.shape[0]):
+        if not np.isfinite(a[i]):
             return
-    if work[0] == 0.0:
-        out[0] = 0.0
-        return
-    for length in range(order, 0, -1):
-        k = work[length] / work[0]
-        if not abs(k) < 1.0:
-            out[0] = 0.0
-            return
-        for i in range(length):
-            nxt[i] = work[i] - k * work[length - i]
-        for i in range(length):
-            work[i] = nxt[i]
+    if a[0] != 0.0 and inside_unit_circle(a[1:] / a[0]):
+        out[0] = 1.0

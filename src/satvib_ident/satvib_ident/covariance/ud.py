@@ -22,49 +22,7 @@ import numpy as np
 from numba import njit
 from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
-
-# Elements are kept within these: neither a million strong samples nor a million silent ones reach 0 or infinity.
-SMALLEST = 1e-150
-LARGEST = 1e150
-
-
-@njit(inline='always')
-def measure_one(w, error, scale, theta, U, d, gain):
-    """Bierman's update of P * scale for one item; gives alpha, or -1 and changes nothing but `gain`."""
-    p = d.shape[0]
-    for j in range(p):  # gain holds f = U^T w until its turn comes; look before anything is changed
-        f = w[j]
-        for i in range(j):
-            f += U[i, j] * w[i]
-        if not abs(f) < 1e60:
-            return -1.0
-        gain[j] = f
-    if not abs(error) < 1e100:
-        return -1.0
-    before = 1.0
-    inverse = 1.0
-    for j in range(p):
-        f = gain[j]
-        old = d[j] * scale
-        v = old * f
-        after = before + f * v
-        ratio = -f * inverse
-        inverse = 1.0 / after
-        d[j] = min(max(old * (before * inverse), SMALLEST), LARGEST)
-        for i in range(j):
-            entry = U[i, j]
-            changed = entry + gain[i] * ratio
-            if abs(changed) < LARGEST:
-                U[i, j] = changed
-            gain[i] += entry * v
-        gain[j] = v
-        before = after
-    for j in range(p):
-        gain[j] *= inverse
-        moved = theta[j] + gain[j] * error
-        if abs(moved) < LARGEST:
-            theta[j] = moved
-    return before
+from satvib_common.kernels.ud import LARGEST, measure_one
 
 
 @njit(inline='always')
@@ -204,15 +162,6 @@ def forget_within(directions, forgetting, limit, active, U, d, work):
     work[:, :] = 0.0
     if active and forgetting < 1.0:
         forget_one(directions, forgetting, limit, U, d, work)
-
-
-@kernel('void(f8[:], f8[:], f8[:])', '(p),(p)->()')
-def dot(a, b, out):
-    """a^T b, (), summed in order."""
-    total = 0.0
-    for i in range(a.shape[0]):
-        total += a[i] * b[i]
-    out[0] = total
 
 
 @kernel('void(f8[:,:], f8[:], f8[:,:])', '(p,p),(p)->(p,p)')

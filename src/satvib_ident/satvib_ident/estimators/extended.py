@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.dot import dot_of
 
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares
 from satvib_ident.forgetting import Forgetting
@@ -32,11 +33,9 @@ def _extend(w, y, active, residual, theta, extended, error, use):
     known = abs(y) < np.inf
     if not known:
         residual[:] = 0.0
-    shown = 0.0
     for i in range(theta.shape[0]):
         extended[i] = w[i] if i < p else residual[i - p]
-        shown += extended[i] * theta[i]
-    error[0] = (y if known else 0.0) - shown
+    error[0] = (y if known else 0.0) - dot_of(extended, theta)
     use[0] = active and known and abs(error[0]) < np.inf
 
 
@@ -47,9 +46,7 @@ def _extend(w, y, active, residual, theta, extended, error, use):
 )
 def _leave(extended, y, theta, residual, peak, left):
     """Keep the residual r(k), no larger than the signal itself has been; `peak` is that, (1)."""
-    shown = 0.0
-    for i in range(theta.shape[0]):
-        shown += extended[i] * theta[i]
+    shown = dot_of(extended, theta)
     known = abs(y) < np.inf
     rest = y - shown if known and shown == shown else 0.0
     # a residual beyond the signal itself tells of a wrong noise model; unclipped it would feed on itself

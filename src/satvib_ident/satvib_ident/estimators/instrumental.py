@@ -23,6 +23,7 @@ from numba import njit
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.dot import dot_of
 
 from satvib_ident.estimators.extended import ExtendedLeastSquares
 from satvib_ident.estimators.least_squares import UPDATES, RecursiveLeastSquares
@@ -104,12 +105,10 @@ def _filter(
     past[1, 0] = filtered
     past[2, 0] = new_y
     yf[0] = new_y
-    shown = 0.0
     length = 0.0
     for i in range(p):
-        shown += wf[i] * theta[i]
         length += z[i] * z[i] + wf[i] * wf[i]
-    rest = new_y - shown
+    rest = new_y - dot_of(wf, theta)
     late = helper[UPDATES] >= settings[0]
     use[0] = helped and late and age[0] >= settings[1] and abs(rest) < 1e100 and length < 1e200
     error[0] = rest if late else first

@@ -21,10 +21,12 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.dot import dot_of
+from satvib_common.kernels.ud import measure_one
 
 from satvib_ident.covariance import ud
 from satvib_ident.covariance.eigenvalues import information_measures
-from satvib_ident.covariance.ud import grown_scale, measure_one
+from satvib_ident.covariance.ud import grown_scale
 from satvib_ident.forgetting import Forgetting, NoForgetting
 
 UPDATES, REFUSED, RESIDUALS, WEIGHT = range(4)  # the places of a tally
@@ -33,10 +35,7 @@ UPDATES, REFUSED, RESIDUALS, WEIGHT = range(4)  # the places of a tally
 @kernel('void(f8[:], f8, b1, f8[:], f8[:], b1[:])', '(p),(),(),(p)->(),()')
 def _predict(w, y, active, theta, error, use):
     """Prediction error of one sample, and whether it may be used."""
-    shown = 0.0
-    for i in range(w.shape[0]):
-        shown += w[i] * theta[i]
-    error[0] = y - shown
+    error[0] = y - dot_of(w, theta)
     use[0] = active and abs(error[0]) < np.inf  # np.isfinite(inf) would raise a flag
 
 

@@ -24,6 +24,7 @@ import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.dot import dot_of
 
 from satvib_ident.covariance.eigenvalues import is_positive, rotate
 from satvib_ident.covariance.ud import forget_one
@@ -64,12 +65,10 @@ def _renew(w, error, active, settings, floor, limit, test, S, sure, ring, state,
         used: () out, whether the sample is to be used.
     """
     p = w.shape[0]
-    length = 0.0
     bounded = True
     for i in range(p):
-        length += w[i] * w[i]
         bounded = bounded and abs(w[i]) < 1e60
-    used[0] = active and length >= floor
+    used[0] = active and dot_of(w, w) >= floor
     kept[0] = 1.0
     factor = min(settings[0], tested_factor(error, used[0], test, ring, state))
     if not (used[0] and bounded):  # what `measure` would refuse must not get into S either

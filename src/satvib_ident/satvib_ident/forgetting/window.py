@@ -14,8 +14,10 @@ from numba import njit
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.dot import dot_of
+from satvib_common.kernels.ud import column_product, measure_one
 
-from satvib_ident.covariance.ud import add_one, measure_one
+from satvib_ident.covariance.ud import add_one
 from satvib_ident.forgetting.none import ONE, NoForgetting
 from satvib_ident.forgetting.protocol import Factors
 
@@ -29,9 +31,7 @@ def _remove(w, y, theta, U, d, work):
     share = 0.0
     error = y
     for j in range(p):
-        f = w[j]
-        for i in range(j):
-            f += U[i, j] * w[i]
+        f = column_product(j, U, w)
         work[j] = d[j] * f
         share += f * work[j]
         error -= w[j] * theta[j]
@@ -77,18 +77,11 @@ def _slide(w, error, active, theta0, P0, ring, state, theta, U, d, work, rest, u
     p = d.shape[0]
     rest[0] = error
     # what `measure` would refuse must not get into the window either
-    length = 0.0
-    output = error
-    for j in range(p):
-        work[j] = 0.0
-        length += w[j] * w[j]
-    used[0] = active and abs(error) < 1e100 and length < 1e200
+    work[:] = 0.0
+    used[0] = active and abs(error) < 1e100 and dot_of(w, w) < 1e200
     if not used[0]:
         return
-    shown = 0.0
-    for j in range(p):
-        shown += w[j] * theta[j]
-    output += shown
+    output = error + dot_of(w, theta)
     size = ring.shape[0]
     held = int(state[0])
     place = int(state[1])
@@ -115,10 +108,7 @@ def _slide(w, error, active, theta0, P0, ring, state, theta, U, d, work, rest, u
     ring[place, p] = output
     state[0] = min(held + 1, size)
     state[1] = place + 1 if place + 1 < size else 0
-    shown = 0.0
-    for j in range(p):
-        shown += w[j] * theta[j]
-    rest[0] = output - shown
+    rest[0] = output - dot_of(w, theta)
 
 
 class FiniteWindow(NoForgetting):

@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 from satvib_common.arrays import Array, Complex
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.schur_cohn import inside_circle
 
 
 def roots(coefficients: Array) -> Complex:
@@ -30,27 +31,6 @@ def roots(coefficients: Array) -> Complex:
         # np.roots drops trailing zeros as roots at 0 and leading zeros without trace
         out[index][: found.size] = found
     return out
-
-
-@njit(inline='always')
-def _within(a, radius, c):
-    """Schur-Cohn for the circle of a radius; `c` (n) is used up."""
-    n = a.shape[0]
-    scale = 1.0
-    for i in range(n):
-        scale /= radius
-        c[i] = a[i] * scale
-    for order in range(n, 0, -1):
-        k = c[order - 1]
-        if not abs(k) < 1.0:
-            return False
-        rest = 1.0 - k * k
-        for i in range((order - 1) // 2 + (order - 1) % 2):
-            j = order - 2 - i
-            left, right = c[i], c[j]
-            c[i] = (left - k * right) / rest
-            c[j] = (right - k * left) / rest
-    return True
 
 
 @njit(inline='always')
@@ -74,7 +54,7 @@ def modulus_of(a):
     work = np.empty(n)
     for _ in range(64):
         r = 0.5 * (low + high)
-        if _within(a, r, work):
+        if inside_circle(a, r, work):
             high = r
         else:
             low = r
@@ -91,7 +71,7 @@ def inside(a, radius):
     if n == 2:  # without roots or divisions
         square = radius * radius
         return abs(a[1]) < square and abs(a[0]) * radius < square + a[1]
-    return _within(a, radius, np.empty(n))
+    return inside_circle(a, radius, np.empty(n))
 
 
 @kernel('void(f8[:], f8[:])', '(n)->()')

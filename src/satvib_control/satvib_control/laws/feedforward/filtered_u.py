@@ -19,27 +19,8 @@ inside the circle of radius r: c_i <- g^i c_i with the largest g of 0.99^n that 
 """
 
 import numpy as np
-from numba import njit
 from satvib_common.kernels.compile import kernel
-
-
-@njit
-def _inside(c, scale, work, other):
-    """Whether all roots of 1 - sum c_i scale^i z^-i lie inside the unit circle (Schur-Cohn, step-down)."""
-    order = c.shape[0]
-    factor = 1.0
-    for i in range(order):
-        factor *= scale
-        work[i] = -c[i] * factor
-    for length in range(order, 0, -1):
-        k = work[length - 1]
-        if not abs(k) < 1.0:
-            return False
-        for i in range(length - 1):
-            other[i] = (work[i] - k * work[length - 2 - i]) / (1.0 - k * k)
-        for i in range(length - 1):
-            work[i] = other[i]
-    return True
+from satvib_common.kernels.schur_cohn import inside_circle
 
 
 @kernel('void(f8[:], i8, f8, f8[:])', '(p),(),()->()', writable=('weights',))
@@ -56,14 +37,14 @@ def stabilize(weights, poles, radius, scale):
     if poles < 1:
         return
     c = weights[weights.shape[0] - poles :]
+    minus = -c
     work = np.empty(poles)
-    other = np.empty(poles)
     for i in range(poles):
         if not np.isfinite(c[i]):
             c[:] = 0.0
             scale[0] = 0.0
             return
-    while not _inside(c, scale[0] / radius, work, other):
+    while not inside_circle(minus, radius / scale[0], work):
         scale[0] *= 0.99
         if scale[0] < 1e-3:
             scale[0] = 0.0

@@ -23,6 +23,7 @@ Elliott, Signal Processing for Active Control, 2001, sections 3.4 and 3.5.
 """
 
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.dot import dot_of
 
 TINY = 1e-30
 
@@ -45,9 +46,7 @@ def fxlms(regressor, error, active, settings, weights, power, norm):
         norm: () out, 2-norm of the weights squared.
     """
     step, leak, forget = settings[0], settings[1], settings[2]
-    total = 0.0
-    for i in range(regressor.shape[0]):
-        total += regressor[i] * regressor[i]
+    total = dot_of(regressor, regressor)
     good = active and total < 1e280 and abs(error) < 1e140
     if good:
         power[0] = total if power[0] == 0.0 else power[0] + forget * (total - power[0])
@@ -55,6 +54,4 @@ def fxlms(regressor, error, active, settings, weights, power, norm):
         keep = 1.0 - step * leak
         for i in range(regressor.shape[0]):
             weights[i] = keep * weights[i] - gain * regressor[i]
-    norm[0] = 0.0
-    for i in range(regressor.shape[0]):
-        norm[0] += weights[i] * weights[i]
+    norm[0] = dot_of(weights, weights)

@@ -24,57 +24,28 @@ hold here too.
 import numpy as np
 from numba import njit
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.dot import dot_of
+from satvib_common.kernels.ud import LARGEST, bounded, change_column, column_product
 
-SMALLEST, LARGEST = 1e-150, 1e150
 TINY = 1e-30
 
 
 @njit
-def _measure(w, error, pace, theta, U, d, gain):
-    """Bierman's update of (theta, U, d) by one measurement of unit variance with regressor w."""
+def _measure(w, first, error, pace, theta, U, d, gain):
+    """Update (theta, U, d) by one measurement of unit variance; the elements of w before `first` are 0."""
     p = d.shape[0]
+    for j in range(first):
+        gain[j] = 0.0
     before = 1.0
-    for j in range(p):
-        f = w[j]
-        for i in range(j):
-            f += U[i, j] * w[i]
+    for j in range(first, p):
+        f = column_product(j, U, w)
         v = d[j] * f
         after = before + f * v
-        d[j] = min(max(d[j] * (before / after), SMALLEST), LARGEST)
-        ratio = -f / before
-        for i in range(j):
-            entry = U[i, j]
-            U[i, j] = entry + gain[i] * ratio
-            gain[i] += entry * v
-        gain[j] = v
+        d[j] = bounded(d[j] * (before / after))
+        change_column(j, v, -f / before, U, gain)
         before = after
     for j in range(p):
         theta[j] += pace * error * (gain[j] / before)
-
-
-@njit
-def _pull(j, weight, pace, theta, U, d, gain):
-    """The same for the line sqrt(weight) theta_j = 0, whose regressor has one element only."""
-    p = d.shape[0]
-    root = np.sqrt(weight)
-    error = -root * theta[j]
-    for i in range(p):
-        gain[i] = 0.0
-    before = 1.0
-    for c in range(j, p):
-        f = root if c == j else U[j, c] * root
-        v = d[c] * f
-        after = before + f * v
-        d[c] = min(max(d[c] * (before / after), SMALLEST), LARGEST)
-        ratio = -f / before
-        for i in range(c):
-            entry = U[i, c]
-            U[i, c] = entry + gain[i] * ratio
-            gain[i] += entry * v
-        gain[c] = v
-        before = after
-    for i in range(p):
-        theta[i] += pace * error * (gain[i] / before)
 
 
 @kernel(
@@ -99,9 +70,7 @@ def fxrls(regressor, error, power, active, settings, weights, U, d, memory, norm
     """
     p = regressor.shape[0]
     pace, leak, share = settings[0], settings[1], settings[2]
-    total = 0.0
-    for i in range(p):
-        total += regressor[i] * regressor[i]
+    total = dot_of(regressor, regressor)
     if active and power > TINY and total < 1e140 and abs(error) < 1e140:
         gain = np.zeros(p)
         if memory[0] == 0.0:
@@ -114,10 +83,11 @@ def fxrls(regressor, error, power, active, settings, weights, U, d, memory, norm
             memory[0] += share * (power - memory[0])
         for i in range(p):
             d[i] = min(d[i] / (1.0 - share), LARGEST)
-        _measure(regressor, -error, pace, weights, U, d, gain)
+        _measure(regressor, 0, -error, pace, weights, U, d, gain)
         j = int(memory[1])
-        _pull(j, leak * memory[0], pace, weights, U, d, gain)
+        root = np.sqrt(leak * memory[0])
+        row = np.zeros(p)
+        row[j] = root
+        _measure(row, j, -root * weights[j], pace, weights, U, d, gain)
         memory[1] = 0.0 if j + 1 >= p else j + 1.0
-    norm[0] = 0.0
-    for i in range(p):
-        norm[0] += weights[i] * weights[i]
+    norm[0] = dot_of(weights, weights)

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from satvib_common.arrays import Array, Integers, Mask
+from satvib_common.kernels.dot import dot
 from satvib_common.phases import Phase
 
 from satvib_control.laws.base import BasicLaw, LawInput
@@ -34,7 +35,6 @@ from satvib_control.laws.feedforward.fxrls import fxrls
 from satvib_control.laws.feedforward.parameters import FeedforwardParameters
 from satvib_control.laws.feedforward.reaction import ReferenceProtection, loop_gain
 from satvib_control.laws.feedforward.regressor import FilteredReference
-from satvib_control.laws.feedforward.regressor_kernel import inner
 from satvib_control.laws.reasons import reason
 
 if TYPE_CHECKING:
@@ -144,10 +144,10 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
         learns = (verdict == watching.LEARN) | (verdict == watching.LISTEN)
         active = able & learns & loud & x.valid & ~x.saturated & acting
         predicted = x.upper - effect
-        error = predicted + inner(self.weights, self.line.filtered)
+        error = predicted + dot(self.weights, self.line.filtered)
         self._adapt(error, active)
         self._bound(cut, verdict)
-        wanted = self._watch[..., watching.SHARE] * inner(self.weights, self.line.regressor)
+        wanted = self._watch[..., watching.SHARE] * dot(self.weights, self.line.regressor)
         self._demand = np.where(able & acting, wanted, 0.0)
         state = self.state
         state.reference, state.model_output, state.error = reference, predicted, x.upper
@@ -180,7 +180,7 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
         # the leak is a share of the reference's power; that of past voltages depends on the weights
         through = through[..., : self.line.size - self.line.poles]
         fxrls(
-            self.line.gradient, error, inner(through, through), active, settings,
+            self.line.gradient, error, dot(through, through), active, settings,
             self.weights, self._U, self._d, self._power,
         )  # fmt: skip
         if self.line.poles:
@@ -189,7 +189,7 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
     def _bound(self, cut: Mask, verdict: Array) -> None:
         """Keep the weights within what the coil, the user and the other struts' reactions allow."""
         limit = self.parameters.feedforward_weight_limit
-        norm = np.sqrt(inner(self.weights, self.weights))
+        norm = np.sqrt(dot(self.weights, self.weights))
         scale = np.where(norm > limit, limit / np.maximum(norm, 1e-300), 1.0)
         scale = np.where(cut, scale * (1.0 - min(self.dt / RAIL_TIME, 1.0)), scale)
         gone = (verdict == watching.RESTART) | (verdict == watching.GIVEN_UP)

@@ -26,9 +26,9 @@ the law raises its leak where it would be passed.
 import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.dot import dot
 
 from satvib_control.laws.feedforward.fxrls import fxrls
-from satvib_control.laws.feedforward.regressor_kernel import inner
 
 # Of the estimation: no pace, the least leak that keeps a badly excited filter small, a memory of 1e5 samples.
 SETTINGS = (1.0, 1e-6, 1e-5, 0.0)
@@ -104,13 +104,13 @@ class ReferenceProtection:
             return
         self._voltages[..., 1:] = self._voltages[..., :-1].copy()
         self._voltages[..., 0] = applied
-        error = inner(self._weights, self._voltages) - lower
+        error = dot(self._weights, self._voltages) - lower
         fxrls(
-            self._voltages, error, inner(self._voltages, self._voltages), valid,
+            self._voltages, error, dot(self._voltages, self._voltages), valid,
             np.array(SETTINGS),
             self._weights, self._U, self._d, self._memory,
         )  # fmt: skip
-        after = inner(self._weights, self._voltages) - lower
+        after = dot(self._weights, self._voltages) - lower
         self._count = self._count + valid
         self._total = np.where(valid, self._total + lower * lower, self._total)
         # the error before the update times the one after it: the exact growth of the minimum

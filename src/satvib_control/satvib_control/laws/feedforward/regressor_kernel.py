@@ -26,6 +26,7 @@ import numpy as np
 from numba import njit
 from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.direct_form import filter_sample
 
 SCALE = 2.0 * math.pi * 10.0
 MOTION = 3  # states of the motion filters
@@ -58,15 +59,6 @@ def _motion(coefficients, state, x):
     shift = g * velocity + state[2]
     state[2] = g * velocity + p * shift
     return velocity, shift
-
-
-@njit
-def _filter(b, a, state, x):
-    """Direct form II transposed; b, a and state have one length, the last state stays 0; a[0] is 1."""
-    y = b[0] * x + state[0]
-    for i in range(b.shape[0] - 1):
-        state[i] = state[i + 1] + b[i + 1] * x - a[i + 1] * y
-    return y
 
 
 @njit
@@ -138,8 +130,8 @@ def run_line(
         for i in range(reaction.shape[0]):
             x -= reaction[i] * voltages[i]
         reference[k] = x
-        effect[k] = _filter(num, den, filters[0], applied[k])
-        xf = _filter(num, den, filters[1], before[0])
+        effect[k] = filter_sample(num, den, filters[0], applied[k])
+        xf = filter_sample(num, den, filters[1], before[0])
         v, s = _motion(coefficients, motion[0], x)
         vf, sf = _motion(coefficients, motion[1], xf)
         if lines.shape[0] > 2:  # through 1 / (1 - C), whose own past stands in the line
@@ -154,16 +146,7 @@ def run_line(
         _push(lines[0], taps, with_motion, poles, x, v, s, own[k])
         _push(lines[1], taps, with_motion, poles, xf, vf, sf, before[1])
         before[0] = x
-        before[1] = _filter(num, den, filters[2], own[k])
-
-
-@kernel('void(f8[:], f8[:], f8[:])', '(p),(p)->()')
-def inner(a, b, out):
-    """a^T b, summed in order."""
-    total = 0.0
-    for i in range(a.shape[0]):
-        total += a[i] * b[i]
-    out[0] = total
+        before[1] = filter_sample(num, den, filters[2], own[k])
 
 
 def line_table(taps: int, motion: bool, poles: int, corner: float, dt: float, f: Array) -> Array:
@@ -194,4 +177,4 @@ def count(taps: int, motion: bool, poles: int) -> int:
     return taps + 2 * int(motion) + poles
 
 
-__all__ = ['MOTION', 'SCALE', 'count', 'inner', 'line_table', 'motion_coefficients', 'run_line']
+__all__ = ['MOTION', 'SCALE', 'count', 'line_table', 'motion_coefficients', 'run_line']

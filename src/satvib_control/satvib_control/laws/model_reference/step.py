@@ -14,8 +14,8 @@ Polynomials in z^-1 (rows of `loop`): 0 A Fa, 1 B Fa, 2 B Fb, 3 B Db Fa with D =
 from typing import Any
 
 import numpy as np
-from numba import njit
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.direct_form import filter_sample
 
 # places in `memory`
 GAIN = 0  # K_p, K_i, K_d
@@ -25,17 +25,6 @@ F_LAW, F_MODEL, F_SENSE = 7, 9, 11  # two states of F each
 Y_LAST, P_LAST, U_MODEL, WAS_ADAPT = 13, 14, 15, 16
 PASS_IN, PASS_OUT = 17, 21  # the high-pass of e and of the three eta
 MEMORY = 25
-
-
-@njit
-def _filter(b: Any, a: Any, state: Any, x: Any) -> float:
-    """Direct form II transposed; `state` has at least one place less than b and a; a[0] is 1."""
-    order = b.shape[0] - 1
-    y = b[0] * x + state[0]
-    for i in range(order - 1):
-        state[i] = state[i + 1] + b[i + 1] * x - a[i + 1] * y
-    state[order - 1] = b[order] * x - a[order] * y
-    return y
 
 
 @kernel(
@@ -84,23 +73,23 @@ def pid_step(
     # the law, Eq. (35)
     x = np.empty(3)
     x[0] = reference - y
-    x[1] = _filter(fb, fa, memory[F_LAW : F_LAW + 2], reference - y)
+    x[1] = filter_sample(fb, fa, memory[F_LAW : F_LAW + 2], reference - y)
     x[2] = -(y - memory[Y_LAST]) / dt
     memory[Y_LAST] = y
     u[0] = kp * x[0] + ki * x[1] + kd * x[2]
 
     # the reference model; outside ADAPT it follows the applied voltage, so that ADAPT begins where the plant is
-    _filter(
+    filter_sample(
         fixed[0], fixed[1], filters[4], memory[U_MODEL] if memory[WAS_ADAPT] == 1.0 else applied
     )
     output = filters[4, 0]  # B begins with the delay, so the state holds the next output
-    driven = _filter(
+    driven = filter_sample(
         fb, fa, memory[F_MODEL : F_MODEL + 2], reference - (output if adapt == 1.0 else y)
     )
     memory[U_MODEL] = memory[WANTED] * driven
     memory[WAS_ADAPT] = adapt
-    designed = _filter(fixed[4], fixed[5], filters[5], reference)
-    predicted = _filter(num, den, filters[0], reference)
+    designed = filter_sample(fixed[4], fixed[5], filters[5], reference)
+    predicted = filter_sample(num, den, filters[0], reference)
     ym[0] = 0.0
     if adapt == 1.0:
         ym[0] = designed if settings[2] == 1.0 else output
@@ -111,13 +100,13 @@ def pid_step(
     # sensitivities: G S filtered eps, F eps, -D y_hat
     s = np.empty(3)
     s[0] = reference - predicted
-    s[1] = _filter(fb, fa, memory[F_SENSE : F_SENSE + 2], reference - predicted)
+    s[1] = filter_sample(fb, fa, memory[F_SENSE : F_SENSE + 2], reference - predicted)
     s[2] = -(predicted - memory[P_LAST]) / dt
     memory[P_LAST] = predicted
     for j in range(3):
         eta[j] = 0.0
         if scale[j] != 0.0:
-            eta[j] = _filter(loop[1], den, filters[1 + j], s[j])
+            eta[j] = filter_sample(loop[1], den, filters[1 + j], s[j])
             if settings[3] != 0.0:
                 eta[j] = settings[3] * x[j]
     for j in range(4):

@@ -13,6 +13,7 @@ import math
 import numpy as np
 from numba import njit
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.direct_form import filter_sample
 
 from satvib_control.laws.narrowband.backoff import RING_DOWN, believe, held, lost
 from satvib_control.laws.narrowband.margin import stretch
@@ -64,11 +65,7 @@ UNSURE = 3.0
 @njit
 def _observe(b, a, state, lesson, applied, y):
     """Give d = y - G u: step the model by the voltage of the sample before; its first coefficient is 0."""
-    order = state.shape[0]
-    out = state[0]
-    for i in range(order - 1):
-        state[i] = state[i + 1] + b[i + 1] * applied - a[i + 1] * out
-    state[order - 1] = b[order] * applied - a[order] * out
+    filter_sample(b, a, state, applied)
     return y - corrected(lesson, state[0])
 
 

@@ -19,17 +19,15 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.dot import dot, dot_of
 
-from satvib_ident.covariance import ud
 from satvib_ident.estimators.least_squares import REFUSED, UPDATES, RecursiveLeastSquares
 
 
 @kernel('void(f8[:], f8, f8, b1, f8[:], b1[:])', '(p),(),(),(),(p)->()', writable=('theta',))
 def _descend(w, error, step, active, theta, used):
     used[0] = False
-    size = 0.0
-    for j in range(w.shape[0]):
-        size += w[j] * w[j]
+    size = dot_of(w, w)
     if not active or not size < 1e280 or not abs(error) < 1e140:
         return
     used[0] = True
@@ -69,7 +67,7 @@ class GradientEstimator(RecursiveLeastSquares):
 
     def update(self, w: Array, y: Array, active: Mask | bool = True) -> Array:
         """Integrate over one sample; gives -e1 at its start (shape)."""
-        error: Array = y - ud.dot(w, self.theta)
+        error: Array = y - dot(w, self.theta)
         use = np.isfinite(error) & active
         self.used = np.asarray(_descend(w, np.where(use, error, 0.0), self.step, use, self.theta))
         # a mean over the last hundred samples or so: nothing else tells the size of the noise here

@@ -21,8 +21,9 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.dot import dot
+from satvib_common.kernels.ud import column_product
 
-from satvib_ident.covariance import ud
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares
 from satvib_ident.forgetting import Forgetting
 
@@ -32,9 +33,7 @@ def _weight(w, step, mu, U, d, rho):
     """Weight of a sample held for a time: step = g dt; mu of the normalization."""
     q = 0.0
     for j in range(d.shape[0]):
-        f = w[j]
-        for i in range(j):
-            f += U[i, j] * w[i]
+        f = column_product(j, U, w)
         q += f * f * d[j]
     rho[0] = step
     if mu <= 0.0 or not 1e-280 < q < 1e280:
@@ -89,7 +88,7 @@ class ContinuousLeastSquares(RecursiveLeastSquares):
 
     def update(self, w: Array, y: Array, active: Mask | bool = True) -> Array:
         """Integrate over a sample in which w (*shape, p) and y (shape) stand still; gives -e1 (shape)."""
-        error: Array = y - ud.dot(w, self.theta)
+        error: Array = y - dot(w, self.theta)
         root = np.sqrt(_weight(w, self.step, self.normalization, self.U, self.d))
         self.error_scale = root
         weighted = np.asarray(error * root)
