@@ -1,152 +1,326 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""When feedforward may learn, when it may act, and when it backs off.
+"""When feedforward learns, when it acts, and when it backs off.
 
-Listening. With its own voltage at 0 the law measures how much of the reference passes passively,
+| state | leaves when | next | voltage | learns |
+|---|---|---|---|---|
+| LISTEN | one watch time of a loud reference is over | ACT | 0 V | in the last quarter |
+| ACT | alarm | FADE | rises within half a watch time | while the reference is loud |
+| FADE | a tenth of the watch time is over | RESTART | falls to 0 V | no |
+| RESTART | after one sample | RING_DOWN, or GIVEN_UP after the third alarm | 0 V | no, the weights become 0 |
+| RING_DOWN | one watch time is over | LISTEN | 0 V | no |
+| GIVEN_UP | `reset`, or a new model (`forgive`) | LISTEN | 0 V | no, the weights are 0 |
 
-    r_0 = <y^2> / <x^2>,
+LISTEN measures how much of the reference x passes to the upper acceleration y at 0 V:
 
-over the watch time. In the second half of it it learns, since the modified form of `fxlms` needs no voltage for that,
-and then lets its voltage in over another half: what comes out first has been learnt from many samples.
+    r_0 = <y^2> / <x^2>.
 
-A vibration that is not from below. A payload that rings shakes the lower plate too. Where <d_hat^2> > 30^2 <x^2>
-(while listening also <y^2>) the reference is too small for what it is to explain, for no passive isolator amplifies as
-much, and nothing is learnt.
+The modified form of `fxlms` needs no voltage to learn, so the first voltage already comes from many samples. After an
+alarm r_0 is at most what it was before the first alarm, because other struts may shake the payload meanwhile.
 
-Backing off. A secondary path that is wrong by more than 90 degrees makes every gradient law climb instead of descend,
-and no test that uses the model alone can see it. It is an alarm when
+Loud. Nothing is learnt unless the RMS of x is above the floor and <d_hat^2> < 30^2 <x^2> (in LISTEN also <y^2>). A
+payload that rings shakes the lower plate too, and then x is too small for what it has to explain.
+
+Alarm. A secondary path that is wrong by more than 90 degrees makes every gradient law climb instead of descend, and no
+test with the model alone can see that. It is an alarm when
 
     <y^2> > R^2 max(r_0, 1) <x^2>   and   <(G_hat u)^2> > <y^2> / 4,
 
-the residual being larger than ever without control and the voltage large enough to be the cause (y and u over a fifth
-of the watch time, for what grows grows quickly); or when more than a third of the last samples were cut by the guard,
-which is how a loop through a contaminated reference shows itself (x grows with y there). At an alarm the voltage fades
-out within a tenth of the watch time, the weights are forgotten, the pace of adaptation drops to a quarter, and the law
-listens anew, after a watch time in which the strut rings down: what rings is no measure of what passes, and neither is
-what other struts shake, so r_0 is then at most what it was before the first alarm. A law that has failed is believed
-less: after n alarms R^(1 / (n + 1)) over r_0 itself is enough for the next, and so are four watch times, on balance, in
-which the residual is not a decibel below r_0 <x^2>. The third alarm ends the matter: 0 V until a new model or a reset.
-Ten watch times in which it is, which no wrong path ever brings about, forgive one.
+so when the vibration is larger than without control, and the voltage is large enough to be the cause. Here y and u are
+averaged over a fifth of the watch time, because a vibration that grows does so quickly. It is also an alarm when the
+guard has cut more than a third of the last samples: a loop through a contaminated reference shows itself like that,
+because x grows with y.
+
+After n alarms the next one needs less: R^(1 / (n + 1)) and r_0 itself, or four watch times, on balance, in which <y^2>
+is not a decibel below r_0 <x^2>. Ten watch times in which it is take one alarm back; no wrong path causes them.
 """
 
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.kernels.compile import kernel
 
-LEARN, LISTEN, FADE, GIVEN_UP, RESTART = range(5)
-ALARMS = 3
-TRANSMISSION = 30.0
-# places in the memory
-ERROR, PASSIVE, REFERENCE, EFFECT, RAIL, BASE, HEARD, PACE, SHARE, COUNT = range(10)
-CLOCK, QUICK, USELESS, PRIOR = range(10, 14)
-SIZE = 14
+# How much: powers and shares
+ALARMS = 3  # alarms until the law gives up: two may have a cause that passes
+TRANSMISSION = 30.0  # largest ratio of y to x, as RMS: no passive isolator amplifies as much
+GOOD = 0.8  # of r_0 <x^2>, a decibel: the law does some good
+CAUSE = 4.0  # <y^2> / <(G_hat u)^2>: a smaller voltage cannot be the cause
+CUT_SHARE = 1.0 / 3.0  # of samples cut: a law that works well is seldom at the limit
+SLOWER = 0.25  # pace after an alarm, as a ratio to that before
+FASTER = 4.0  # the same when an alarm is taken back
+# How long: in watch times
+HEARD = 0.5  # that are still counted when the reference falls silent
+SETTLED = 0.75  # before the first learning: x is there before its filtered twin
+RISE = 0.5
+FALL = 0.1
+USELESS = 4.0  # without any good, until an alarm
+FORGIVEN = 10.0  # of good, until an alarm is taken back
+QUICKER = 5.0  # ratio of the watch time to the averaging time of what may be an alarm
+
+
+class BackoffState(IntEnum):
+    """States of an item; see the table of the module."""
+
+    LISTEN = 0
+    ACT = 1
+    FADE = 2
+    RESTART = 3
+    RING_DOWN = 4
+    GIVEN_UP = 5
+
+
+class _Slot(IntEnum):
+    """What is remembered of an item; powers in (m/s^2)^2, times in samples."""
+
+    ERROR = 0  # <y^2>
+    PASSIVE = 1  # <d_hat^2>, d_hat = y - G_hat u
+    REFERENCE = 2  # <x^2>
+    QUICK = 3  # <y^2> over a shorter time
+    EFFECT = 4  # <(G_hat u)^2> over a shorter time
+    CUT = 5  # share of samples that the guard cut
+    PASSED = 6  # r_0
+    PASSED_FIRST = 7  # r_0 before the first alarm; 0: no alarm yet
+    HEARD = 8  # samples since LISTEN began
+    LEFT = 9  # of FADE or RING_DOWN
+    SHARE = 10  # of the voltage that is let through
+    GOOD = 11  # samples of good
+    USELESS = 12  # samples without any good minus those with
+    ALARMS = 13
+    PACE = 14  # of the adaptation, 0 to 1
+
+
+class _Sample(NamedTuple):
+    error: float
+    reference: float
+    effect: float
+    cut: bool
+    valid: bool
+    acting: bool
+
+
+class _Settings(NamedTuple):
+    window: float
+    ratio: float
+    floor: float
+
+
+@njit
+def _measure(sample, window, memory):
+    """Update all mean values by a sample; plain means at first, later with forgetting."""
+    if not sample.valid:
+        return
+    memory[_Slot.HEARD] += 1.0
+    forget = max(1.0 / memory[_Slot.HEARD], 1.0 / window)
+    passive = sample.error - sample.effect
+    memory[_Slot.ERROR] += forget * (sample.error * sample.error - memory[_Slot.ERROR])
+    memory[_Slot.PASSIVE] += forget * (passive * passive - memory[_Slot.PASSIVE])
+    memory[_Slot.REFERENCE] += forget * (
+        sample.reference * sample.reference - memory[_Slot.REFERENCE]
+    )
+    quick = max(1.0 / memory[_Slot.HEARD], min(QUICKER / window, 1.0))
+    memory[_Slot.QUICK] += quick * (sample.error * sample.error - memory[_Slot.QUICK])
+    memory[_Slot.EFFECT] += quick * (sample.effect * sample.effect - memory[_Slot.EFFECT])
+    memory[_Slot.CUT] += ((1.0 if sample.cut else 0.0) - memory[_Slot.CUT]) / window
+
+
+@njit
+def _loud(floor, explained, memory):
+    """Whether the reference is above the floor, and large enough for the power that it has to explain."""
+    enough = memory[_Slot.REFERENCE] * TRANSMISSION * TRANSMISSION >= explained
+    return memory[_Slot.REFERENCE] > floor * floor and enough
+
+
+@njit
+def _listen(sample, settings, memory):
+    """Measure r_0 at 0 V; give the next state, and whether this sample is worth learning from."""
+    window = settings.window
+    _measure(sample, window, memory)
+    explained = max(memory[_Slot.PASSIVE], memory[_Slot.ERROR])
+    if not _loud(settings.floor, explained, memory):
+        memory[_Slot.HEARD] = min(memory[_Slot.HEARD], HEARD * window)
+        return BackoffState.LISTEN, False
+    settled = memory[_Slot.HEARD] >= SETTLED * window
+    if memory[_Slot.HEARD] < window or not sample.valid:
+        return BackoffState.LISTEN, settled
+    memory[_Slot.PASSED] = max(memory[_Slot.ERROR] / memory[_Slot.REFERENCE], 1e-300)
+    if memory[_Slot.PASSED_FIRST] > 0.0:
+        memory[_Slot.PASSED] = min(memory[_Slot.PASSED], memory[_Slot.PASSED_FIRST])
+    return BackoffState.ACT, settled
+
+
+@njit
+def _count_good(settings, memory):
+    """Count the samples that do some good and those that do not; take an alarm back after many good ones."""
+    good = memory[_Slot.ERROR] < GOOD * memory[_Slot.PASSED] * memory[_Slot.REFERENCE]
+    memory[_Slot.GOOD] += 1.0 if good else 0.0
+    if memory[_Slot.REFERENCE] > settings.floor * settings.floor:
+        memory[_Slot.USELESS] = max(memory[_Slot.USELESS] + (-1.0 if good else 1.0), 0.0)
+    if memory[_Slot.GOOD] >= FORGIVEN * settings.window:
+        memory[_Slot.GOOD] = 0.0
+        memory[_Slot.ALARMS] = max(memory[_Slot.ALARMS] - 1.0, 0.0)
+        if memory[_Slot.ALARMS] == 0.0:
+            memory[_Slot.PASSED_FIRST] = 0.0
+        memory[_Slot.PACE] = min(FASTER * memory[_Slot.PACE], 1.0)
+
+
+@njit
+def _alarm(settings, memory):
+    """Whether the voltage does harm, does no good, or stands at the limit."""
+    alarms = memory[_Slot.ALARMS]
+    growth = settings.ratio ** (2.0 / (alarms + 1.0))
+    passed = max(memory[_Slot.PASSED], 1.0) if alarms == 0.0 else memory[_Slot.PASSED]
+    grown = memory[_Slot.QUICK] > growth * passed * memory[_Slot.REFERENCE]
+    cause = CAUSE * memory[_Slot.EFFECT] > memory[_Slot.QUICK]
+    useless = alarms > 0.0 and memory[_Slot.USELESS] > USELESS * settings.window
+    harm = (grown and cause) or useless
+    loud = memory[_Slot.REFERENCE] > settings.floor * settings.floor
+    return (harm and loud) or memory[_Slot.CUT] > CUT_SHARE
+
+
+@njit
+def _act(sample, settings, memory):
+    """Let the voltage in and watch what it does; give the next state, and whether the reference is loud."""
+    window = settings.window
+    _measure(sample, window, memory)
+    loud = _loud(settings.floor, memory[_Slot.PASSIVE], memory)
+    if not sample.acting:
+        memory[_Slot.SHARE] = 0.0
+        return BackoffState.ACT, loud
+    memory[_Slot.SHARE] = min(memory[_Slot.SHARE] + 1.0 / max(RISE * window, 1.0), 1.0)
+    if not sample.valid:
+        return BackoffState.ACT, loud
+    _count_good(settings, memory)
+    if not _alarm(settings, memory):
+        return BackoffState.ACT, loud
+    memory[_Slot.ALARMS] += 1.0
+    memory[_Slot.PACE] *= SLOWER
+    memory[_Slot.LEFT] = max(FALL * window, 1.0)
+    return BackoffState.FADE, loud
+
+
+@njit
+def _fade(window, memory):
+    """Let the voltage fall; at the end forget all but what the alarms have changed."""
+    memory[_Slot.LEFT] -= 1.0
+    memory[_Slot.SHARE] = max(memory[_Slot.SHARE] - 1.0 / max(FALL * window, 1.0), 0.0)
+    if memory[_Slot.LEFT] > 0.0:
+        return BackoffState.FADE
+    first, passed = memory[_Slot.PASSED_FIRST], memory[_Slot.PASSED]
+    alarms, pace = memory[_Slot.ALARMS], memory[_Slot.PACE]
+    memory[:] = 0.0
+    memory[_Slot.PASSED_FIRST] = passed if first == 0.0 else first
+    memory[_Slot.ALARMS], memory[_Slot.PACE] = alarms, pace
+    memory[_Slot.LEFT] = window
+    return BackoffState.RESTART
+
+
+@njit
+def _ring_down(sample, memory):
+    """Wait until the strut has rung down: what rings is no measure of what passes."""
+    if sample.valid:
+        memory[_Slot.LEFT] -= 1.0
+    return BackoffState.RING_DOWN if memory[_Slot.LEFT] > 0.0 else BackoffState.LISTEN
 
 
 @kernel(
-    'void(f8, f8, f8, b1, b1, b1, f8[:], f8[:], i8[:], b1[:])',
-    '(),(),(),(),(),(),(n),(m)->(),()',
+    'void(f8, f8, f8, b1, b1, b1, f8[:], i8, f8[:], i8[:], i8[:], b1[:])',
+    '(),(),(),(),(),(),(n),(),(m)->(),(),()',
     writable=('memory',),
 )
-def watch(error, reference, effect, cut, valid, acting, settings, memory, verdict, loud):
-    """Judge one sample.
+def _step(
+    error, reference, effect, cut, valid, acting, settings, state, memory, following, now, loud
+):
+    """Judge one sample of one item; see `Backoff.step`, and `now` there is `state` here."""
+    sample = _Sample(error, reference, effect, cut, valid, acting)
+    given = _Settings(settings[0], settings[1], settings[2])
+    loud[0] = False
+    now[0] = state
+    if state == BackoffState.RESTART:
+        again = memory[_Slot.ALARMS] < ALARMS
+        now[0] = BackoffState.RING_DOWN if again else BackoffState.GIVEN_UP
+    following[0] = now[0]
+    if now[0] == BackoffState.LISTEN:
+        following[0], loud[0] = _listen(sample, given, memory)
+    elif now[0] == BackoffState.ACT:
+        following[0], loud[0] = _act(sample, given, memory)
+    elif now[0] == BackoffState.FADE:
+        following[0] = _fade(given.window, memory)
+    elif now[0] == BackoffState.RING_DOWN:
+        following[0] = _ring_down(sample, memory)
+    # FADE and RESTART begin on the very sample that causes them
+    if following[0] == BackoffState.FADE or following[0] == BackoffState.RESTART:
+        now[0] = following[0]
+
+
+class Backoff:
+    """The back-off of a batch of items; see the module.
 
     Args:
-        error: () residual y, m/s^2.
-        reference: () x, m/s^2.
-        effect: () G_hat u of the law's own voltage, m/s^2.
-        cut: () bool; the guard cut that voltage.
-        valid: () bool; all of it was measured, and nothing but the law and the disturbance acts.
-        acting: () bool; the law's voltage is let through in this phase.
-        settings: (3) samples of the watch time, R, floor of the reference (m/s^2, RMS).
-        memory: (14) changed; the pace begins with 1, the rest with 0.
-        verdict: () out: LEARN, LISTEN (learn, no voltage), FADE, RESTART (forget the weights) or GIVEN_UP.
-        loud: () out: the reference is worth learning from.
+        shape: leading axes.
     """
-    window, ratio, floor = settings[0], settings[1], settings[2]
-    loud[0] = False
-    if memory[CLOCK] < 0.0:
-        memory[CLOCK] += 1.0
-        memory[SHARE] = max(memory[SHARE] - 1.0 / max(0.1 * window, 1.0), 0.0)
-        verdict[0] = FADE
-        if memory[CLOCK] >= 0.0:
-            verdict[0] = RESTART
-            if memory[PRIOR] == 0.0:
-                memory[PRIOR] = memory[BASE]
-            for i in (
-                ERROR,
-                PASSIVE,
-                REFERENCE,
-                EFFECT,
-                RAIL,
-                BASE,
-                HEARD,
-                SHARE,
-                CLOCK,
-                QUICK,
-                USELESS,
-            ):
-                memory[i] = 0.0
-            memory[HEARD] = -window  # rings down
-        return
-    if memory[COUNT] >= ALARMS:
-        memory[SHARE] = 0.0
-        verdict[0] = GIVEN_UP
-        return
-    if valid:
-        memory[HEARD] += 1.0
-    if memory[HEARD] < 0.0:
-        verdict[0] = LISTEN
-        return
-    if valid and memory[HEARD] > 0.0:
-        forget = max(1.0 / memory[HEARD], 1.0 / window)
-        passive = error - effect
-        memory[ERROR] += forget * (error * error - memory[ERROR])
-        memory[PASSIVE] += forget * (passive * passive - memory[PASSIVE])
-        memory[REFERENCE] += forget * (reference * reference - memory[REFERENCE])
-        quick = max(1.0 / memory[HEARD], min(5.0 / window, 1.0))
-        memory[QUICK] += quick * (error * error - memory[QUICK])
-        memory[EFFECT] += quick * (effect * effect - memory[EFFECT])
-        memory[RAIL] += ((1.0 if cut else 0.0) - memory[RAIL]) / window
-    most = memory[PASSIVE]
-    if memory[BASE] == 0.0:
-        most = max(most, memory[ERROR])
-    enough = memory[REFERENCE] * TRANSMISSION * TRANSMISSION >= most
-    loud[0] = memory[REFERENCE] > floor * floor and enough
-    if memory[BASE] == 0.0:
-        verdict[0] = LISTEN
-        if not loud[0]:
-            memory[HEARD] = min(memory[HEARD], 0.5 * window)  # silence tells nothing
-        elif memory[HEARD] >= window and valid:
-            memory[BASE] = max(memory[ERROR] / memory[REFERENCE], 1e-300)
-            if memory[PRIOR] > 0.0:
-                memory[BASE] = min(memory[BASE], memory[PRIOR])
-            memory[CLOCK] = 0.0
-        # nothing is learnt from the onset: the reference is there before its filtered twin
-        loud[0] = loud[0] and memory[HEARD] >= 0.75 * window
-        return
-    verdict[0] = LEARN
-    if not acting:
-        memory[SHARE] = 0.0
-        return
-    memory[SHARE] = min(memory[SHARE] + 1.0 / max(0.5 * window, 1.0), 1.0)
-    if not valid:
-        return
-    good = memory[ERROR] < 0.8 * memory[BASE] * memory[REFERENCE]
-    memory[CLOCK] += 1.0 if good else 0.0
-    if memory[REFERENCE] > floor * floor:
-        memory[USELESS] = max(memory[USELESS] + (-1.0 if good else 1.0), 0.0)
-    if memory[CLOCK] >= 10.0 * window:
-        memory[CLOCK] = 0.0
-        memory[COUNT] = max(memory[COUNT] - 1.0, 0.0)
-        if memory[COUNT] == 0.0:
-            memory[PRIOR] = 0.0
-        memory[PACE] = min(4.0 * memory[PACE], 1.0)
-    growth = ratio ** (2.0 / (memory[COUNT] + 1.0))
-    passive = max(memory[BASE], 1.0) if memory[COUNT] == 0.0 else memory[BASE]
-    grown = memory[QUICK] > growth * passive * memory[REFERENCE]
-    cause = 4.0 * memory[EFFECT] > memory[QUICK]
-    useless = memory[COUNT] > 0.0 and memory[USELESS] > 4.0 * window
-    harm = (grown and cause) or useless
-    if (harm and memory[REFERENCE] > floor * floor) or memory[RAIL] > 1.0 / 3.0:
-        memory[COUNT] += 1.0
-        memory[PACE] *= 0.25
-        memory[CLOCK] = -max(0.1 * window, 1.0)
-        verdict[0] = FADE
+
+    def __init__(self, shape: tuple[int, ...] = ()) -> None:
+        self.shape = shape
+        self._following: Integers = np.full(shape, BackoffState.LISTEN)
+        self._memory = np.zeros((*shape, len(_Slot)))
+        self.reset(np.ones(shape, dtype=bool))
+
+    def tune(self, window: int, ratio: float, floor: float) -> None:
+        """Set the watch time (samples), the growth R that is an alarm, and the least RMS of the reference (m/s^2)."""
+        self._settings = np.array(_Settings(window, ratio, floor))
+
+    def step(
+        self, error: Array, reference: Array, effect: Array, cut: Mask, valid: Mask, acting: bool
+    ) -> tuple[Integers, Mask]:
+        """Judge a sample.
+
+        Args:
+            error: shape, y, m/s^2.
+            reference: shape, x, m/s^2.
+            effect: shape, G_hat u of the voltage of this law, m/s^2.
+            cut: shape, bool; the guard cut that voltage.
+            valid: shape, bool; all was measured, and only the law and the disturbance act.
+            acting: the voltage of the law is let through in this phase.
+
+        Returns:
+            (shape) `BackoffState` of this sample; (shape) bool, the reference is worth learning from.
+        """
+        following, now, loud = _step(
+            error, reference, effect, cut, valid, acting, self._settings, self._following,
+            self._memory,
+        )  # fmt: skip
+        self._following = np.asarray(following)
+        return np.asarray(now), np.asarray(loud)
+
+    @property
+    def share(self) -> Array:
+        """Share of the voltage that is let through (shape)."""
+        return self._memory[..., _Slot.SHARE]
+
+    @property
+    def pace(self) -> Array:
+        """Pace of the adaptation (shape), 1 before the first alarm."""
+        return self._memory[..., _Slot.PACE]
+
+    @property
+    def alarms(self) -> Array:
+        """Alarms that are not taken back (shape)."""
+        return self._memory[..., _Slot.ALARMS]
+
+    @property
+    def passed(self) -> Array:
+        """r_0 (shape); 0 while it is not known."""
+        return self._memory[..., _Slot.PASSED]
+
+    def forgive(self, mask: Mask) -> None:
+        """Begin again where `mask` (shape) holds and there were alarms, as a new model deserves."""
+        self.reset(mask & (self.alarms > 0.0))
+
+    def reset(self, mask: Mask) -> None:
+        """Begin again where `mask` (shape) holds."""
+        self._following = np.where(mask, BackoffState.LISTEN, self._following)
+        self._memory[...] = np.where(mask[..., None], 0.0, self._memory)
+        self.pace[...] = np.where(mask, 1.0, self.pace)

@@ -4,18 +4,18 @@
 
     u(k) = sum_i w_i phi_i(k) + sum_i c_i u(k-i),    i = 1 .. P
 
-The reference may hold the strut's own reaction, x = x_0 + F u, and the best filter for it is W / (1 + W F): recursive,
-even where W is not. Filtered-u finds it (Eriksson 1991, J. Acoust. Soc. Am. 89, 257): the past voltages are part of the
-regressor, and their filtered twins G_hat u part of phi_f. Eriksson moves the weights along phi_f, which is the gradient
-only if C = sum c_i z^-i is small. Here it is the exact one for slow changes,
+The reference may contain the strut's own reaction, x = x_0 + F u, and then the best filter is W / (1 + W F). It is
+recursive even where W is not. Filtered-u finds it (Eriksson 1991, J. Acoust. Soc. Am. 89, 257): the past voltages are
+part of the regressor, and their filtered twins G_hat u part of phi_f. Eriksson moves the weights along phi_f, which is
+the gradient only if C = sum c_i z^-i is small. Here the weights move along the exact gradient for slow changes,
 
     dy / dw_i = G phi_i / (1 - C):    phi_g = phi_f / (1 - C),
 
-with the least squares of `fxrls`: the recursive prediction error method (Ljung 1999, section 11.5) instead of
-pseudo-linear regression. Measured on the stiff rig with random vibration the latter rang and had to be backed off.
+with the least squares of `fxrls`. That is the recursive prediction error method (Ljung 1999, section 11.5) instead of
+pseudo-linear regression. Measured on the stiff rig with random vibration, the latter rang and had to be backed off.
 
-Nothing in that keeps 1 - C stable, and the error has more than one minimum. So after each step the poles are drawn
-inside the circle of radius r: c_i <- g^i c_i with the largest g of 0.99^n that does it, which scales every pole by g.
+None of this keeps 1 - C stable, and the error has more than one minimum. So after each step the poles are scaled into
+the circle of radius r: c_i <- g^i c_i, with the largest g of 0.99^n that is enough. It scales every pole by g.
 """
 
 import numpy as np
@@ -25,7 +25,7 @@ from satvib_common.kernels.schur_cohn import inside_circle
 
 @kernel('void(f8[:], i8, f8, f8[:])', '(p),(),()->()', writable=('weights',))
 def stabilize(weights, poles, radius, scale):
-    """Draw the poles of the last `poles` weights inside the circle of `radius`, in place.
+    """Scale the poles of the last `poles` weights into the circle of `radius`, in place.
 
     Args:
         weights: (p), changed.

@@ -1,26 +1,26 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The strut's own reaction in the reference, and how it is taken off.
+"""The strut's own reaction in the reference, and how it is subtracted.
 
-A coil that pushes the payload up pushes the lower plate down. A shaker is no rock: what the lower sensor reads is
+A coil that pushes the payload up pushes the lower plate down, and no shaker is rigid. The lower sensor measures
 
     x_m = x_0 + F u,
 
-and a feedforward filter W on x_m closes the loop 1 - W F, which nothing makes stable. In IDENTIFY the voltage is known
-and has nothing to do with the disturbance, so F can be learnt there, as a short FIR filter by least squares:
+so a feedforward filter W on x_m closes the loop 1 - W F, and nothing makes that stable. In IDENTIFY the voltage is
+known and does not depend on the disturbance. There F can be learnt, as a short FIR filter, by least squares:
 
-    F_hat = arg min sum (x_m(k) - sum_i F_i u(k-1-i))^2,    i = 0 .. r - 1,
+    F_hat = arg min sum (x_m(k) - sum_i F_i u(k-1-i))^2,    i = 0 .. r - 1.
 
-and W works on x = x_m - F_hat u. Then the loop is 1 - W (F - F_hat).
+W then works on x = x_m - F_hat u, and the loop is 1 - W (F - F_hat).
 
-F_hat is used only if it explains more than chance would: with N samples, r taps, a total T and a remainder E of the
-sum of squares, (T - E) / r > 10 E / N (an F test that leaves room for coloured remainders). Otherwise there is no
-reaction to speak of and F_hat is 0.
+F_hat is used only if it explains more than chance: with N samples, r taps, a total T and a remainder E of the sum of
+squares, (T - E) / r > 10 E / N (an F test, with a margin for coloured remainders). Otherwise the reaction is too small
+to measure, and F_hat is 0.
 
-What it cannot know: a strut sees its own voltage only. On a shared lower plate the reactions of the other struts stay
-in the reference. Of n struts that act alike the loop is then 1 - (n - 1) W F in step, and 1 + W F against each other.
-By the small-gain theorem both are stable while |W F| < 1 / (n - 1) at all frequencies; `loop_gain` measures that, and
-the law raises its leak where it would be passed.
+A strut knows its own voltage only. On a shared lower plate the reactions of the other struts stay in the reference. Of
+n struts that act alike the loop is then 1 - (n - 1) W F in phase, and 1 + W F in opposite phase. By the small-gain
+theorem both are stable while |W F| < 1 / (n - 1) at all frequencies. `loop_gain` computes that, and the law raises its
+leak where the bound would be exceeded.
 """
 
 import numpy as np
@@ -28,12 +28,12 @@ from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
 from satvib_common.kernels.dot import dot
 
-from satvib_control.laws.feedforward.fxrls import fxrls
+from satvib_control.laws.feedforward.fxrls import LeastSquares
 
-# Of the estimation: no pace, the least leak that keeps a badly excited filter small, a memory of 1e5 samples.
-SETTINGS = (1.0, 1e-6, 1e-5, 0.0)
-SIGNIFICANT = 10.0
-# where the loop gain is looked at, as shares of the sample rate
+LEAK = 1e-6  # the least that keeps a badly excited filter small
+SHARE = 1e-5  # of the present sample: a memory of 1e5 samples
+SIGNIFICANT = 10.0  # see the module
+# where the loop gain is evaluated, as shares of the sample rate
 FREQUENCIES = np.arange(1, 65) / 128.0
 
 
@@ -85,9 +85,7 @@ class ReferenceProtection:
         self.magnitude = np.zeros((*shape, len(FREQUENCIES)))
         self._voltages = np.zeros((*shape, size))
         self._weights = np.zeros((*shape, size))
-        self._U = np.zeros((*shape, size, size))
-        self._d = np.zeros((*shape, size))
-        self._memory = np.zeros((*shape, 2))
+        self._least_squares = LeastSquares(size, shape)
         self._count = np.zeros(shape)
         self._total = np.zeros(shape)
         self._left = np.zeros(shape)
@@ -105,11 +103,10 @@ class ReferenceProtection:
         self._voltages[..., 1:] = self._voltages[..., :-1].copy()
         self._voltages[..., 0] = applied
         error = dot(self._weights, self._voltages) - lower
-        fxrls(
-            self._voltages, error, dot(self._voltages, self._voltages), valid,
-            np.array(SETTINGS),
-            self._weights, self._U, self._d, self._memory,
-        )  # fmt: skip
+        power = dot(self._voltages, self._voltages)
+        self._least_squares.step(
+            self._weights, self._voltages, error, power, valid, pace=1.0, leak=LEAK, share=SHARE
+        )
         after = dot(self._weights, self._voltages) - lower
         self._count = self._count + valid
         self._total = np.where(valid, self._total + lower * lower, self._total)
@@ -124,7 +121,7 @@ class ReferenceProtection:
         used = used & (self.taps > 0) & (self._total > 0.0)
         fine = used[..., None] & np.isfinite(self._weights)
         self.reaction = np.where(fine, self._weights, 0.0)
-        # the one sample between a voltage and what it does has no say in a magnitude
+        # the one sample between a voltage and its effect does not change a magnitude
         powers = np.exp(-2j * np.pi * np.outer(FREQUENCIES, np.arange(self.reaction.shape[-1])))
         for i in np.ndindex(self.shape):
             self.magnitude[i] = np.abs(powers @ self.reaction[i])

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The regressor of a batch of struts, its filtered twins and their history.
 
-Keeps what `reference_line` needs from sample to sample, and the last two seconds of what went in. When the model or the
-reaction changes, that history is run through the new filters from rest, so that they are as warm as the old ones were.
-A new model touches only what is seen through it: u = w^T phi has no G_hat, so the voltage does not jump.
+It keeps what `regressor_kernel` needs from sample to sample, and the input of the last two seconds. When the model or
+the reaction changes, that history runs through the new filters from rest, so their transients have decayed as those of
+the old ones had. A new model changes only what is seen through it: u = w^T phi does not contain G_hat, so the voltage
+does not jump.
 """
 
 import math
@@ -15,30 +16,32 @@ from satvib_common.arrays import Array, Mask
 
 from satvib_control.laws.feedforward.reaction import FREQUENCIES
 from satvib_control.laws.feedforward.regressor_kernel import (
-    MOTION,
-    count,
-    line_table,
+    Contents,
+    RegressorState,
     motion_coefficients,
-    run_line,
+    response_table,
+    run_regressor,
 )
 
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
 
 HISTORY = 2.0  # s
-SHORT_GAP = 3  # samples that may be missing without spoiling the integrals
+SHORT_GAP = 3  # samples that may be missing while the integrals stay valid
 
 
 class FilteredReference:
-    """phi and phi_f of every item; see the module's page.
+    """phi and phi_f of every item; see the module.
 
     Args:
-        taps, motion, corner, poles: what the regressor holds; corner of the motion filters in Hz.
+        contents: of the regressor.
+        corner: Hz, of the motion filters.
         reaction_taps: length of the learnt reaction.
         dt: s.
         shape: leading axes.
 
     Attributes:
+        state: phi, phi_f and what they are made from.
         known: shape, bool; there is a model.
         table: (f, p, 2) responses of the regressor at `FREQUENCIES`.
         missing: shape, bool; the newest sample of the lower sensor was not measured.
@@ -47,64 +50,48 @@ class FilteredReference:
 
     def __init__(
         self,
-        taps: int,
-        motion: bool,
+        contents: Contents,
         corner: float,
-        poles: int,
         reaction_taps: int,
         dt: float,
         shape: tuple[int, ...] = (),
     ) -> None:
-        self.shape, self.taps, self.poles = shape, taps, poles
-        self.size = count(taps, motion, poles)
-        self._sizes = np.array([taps, int(motion), poles])
+        self.shape, self.contents = shape, contents
+        self._sizes = np.array(contents)
         self._coefficients = motion_coefficients(corner, dt)
-        self.table = line_table(taps, motion, poles, corner, dt, FREQUENCIES)
-        rows = 3 if poles else 2
-        self._lines = np.zeros((*shape, rows, self.size))
-        self._motion = np.zeros((*shape, rows, MOTION))
-        self._before = np.zeros((*shape, 2))
-        self._voltages = np.zeros((*shape, max(reaction_taps, 1)))
+        self.table = response_table(contents, corner, dt, FREQUENCIES)
+        self._reaction_taps = max(reaction_taps, 1)
         self._num, self._den = np.zeros((2, *shape, 2))
         self._den[..., 0] = 1.0
-        self._filters = np.zeros((*shape, 3, 2))
+        self.state = self._at_rest()
         self._past = np.zeros((3, max(round(HISTORY / dt), 1), *shape))  # lower, applied, own
         self._next = 0
         self.known = np.zeros(shape, dtype=bool)
         # the integrals need three time constants of their corner
-        self._settle = math.ceil(3.0 / (2.0 * math.pi * corner * dt)) if motion else 0
+        settle = math.ceil(3.0 / (2.0 * math.pi * corner * dt))
+        self._settle = settle if contents.motion else 0
         self.missing = np.ones(shape, dtype=bool)
-        self.filling = np.full(shape, float(taps + self._settle))
+        self.filling = np.full(shape, float(contents.taps + self._settle))
         self._absent = np.zeros(shape)
         self._last = np.zeros(shape)
 
-    @property
-    def regressor(self) -> Array:
-        """Phi, (*shape, p)."""
-        return self._lines[..., 0, :]
-
-    @property
-    def filtered(self) -> Array:
-        """Phi_f = G_hat phi, (*shape, p)."""
-        return self._lines[..., 1, :]
-
-    @property
-    def gradient(self) -> Array:
-        """What the residual moves by per weight, (*shape, p): phi_f, with poles phi_f / (1 - C)."""
-        return self._lines[..., -1, :]
+    def _at_rest(self) -> RegressorState:
+        return RegressorState.zeros(
+            self.contents, self._reaction_taps, self._num.shape[-1], self.shape
+        )
 
     def measured(self, lower: Array, lost: int = 0) -> Array:
-        """Take note of what is missing, and give the reading or the last one that there was.
+        """Count the missing samples, and give the reading or the last one that there was.
 
         Args:
             lower: shape, m/s^2; NaN: not measured.
-            lost: samples that never came before this one.
+            lost: samples that were lost before this one.
         """
         good = np.isfinite(lower)
         self._last = np.where(good, lower, self._last)
         self._absent = np.where(good, 0.0, self._absent + 1.0)
         gap = self._absent + lost
-        spoiled = self.taps + np.where(gap > SHORT_GAP, self._settle, 0.0)
+        spoiled = self.contents.taps + np.where(gap > SHORT_GAP, self._settle, 0.0)
         left = np.where(good, self.filling - 1.0, self.filling)
         self.filling = np.where(gap > 0.0, np.maximum(left, spoiled), left)
         self.missing = ~good
@@ -125,16 +112,23 @@ class FilteredReference:
         Returns:
             (shape) the reference x and (shape) the effect G_hat u, both m/s^2.
         """
-        reference, effect = run_line(
-            lower[..., None], applied[..., None], own[..., None], reaction, self._num, self._den,
-            self._coefficients, self._sizes, weights, *self._states(),
-        )  # fmt: skip
+        reference, effect = self._run(
+            self.state, lower[..., None], applied[..., None], own[..., None], reaction, weights
+        )
         self._past[:, self._next] = lower, applied, own
         self._next = (self._next + 1) % self._past.shape[1]
         return reference[..., 0], effect[..., 0]
 
-    def _states(self) -> tuple[Array, ...]:
-        return self._voltages, self._before, self._filters, self._motion, self._lines
+    def _run(
+        self, state: RegressorState, lower: Array, applied: Array, own: Array, reaction: Array,
+        weights: Array,
+    ) -> tuple[Array, Array]:  # fmt: skip
+        """Run samples (*shape, t) through the present filters."""
+        found: tuple[Array, Array] = run_regressor(
+            lower, applied, own, reaction, self._num, self._den, self._coefficients, self._sizes,
+            weights, *state,
+        )  # fmt: skip
+        return found
 
     def set_model(
         self, model: 'IirModel', trusted: Mask, reaction: Array, weights: Array
@@ -142,7 +136,7 @@ class FilteredReference:
         """Take G_hat where it is trusted; (shape) where it is another one, or None where nowhere."""
         a = np.broadcast_to(model.a, (*self.shape, model.a.shape[-1]))
         b = np.broadcast_to(model.b, (*self.shape, model.b.shape[-1]))
-        # the voltages of the line are one sample old, so one sample of the delay is behind them
+        # the voltages of the regressor are one sample old, so one sample of the delay has passed
         first = model.delay - 1
         old = self._num.shape[-1]
         length = max(1 + a.shape[-1], first + b.shape[-1], old)
@@ -160,7 +154,8 @@ class FilteredReference:
         if not fresh.any():
             return None
         self._num, self._den = num, den
-        self._filters = np.pad(self._filters, [*lead, (0, 0), more])
+        longer = np.pad(self.state.filters, [*lead, (0, 0), more])
+        self.state = self.state._replace(filters=longer)
         self._replay(fresh, reaction, weights, seen_through_only=True)
         return fresh
 
@@ -173,24 +168,19 @@ class FilteredReference:
     ) -> None:
         """Run the stored history through the present filters from rest."""
         lower, applied, own = np.moveaxis(np.roll(self._past, -self._next, axis=1), 1, -1)
-        fresh = [np.zeros_like(s) for s in self._states()]
-        run_line(
-            lower, applied, own, reaction, self._num, self._den, self._coefficients, self._sizes,
-            weights, *fresh,
-        )  # fmt: skip
+        fresh = self._at_rest()
+        self._run(fresh, lower, applied, own, reaction, weights)
         if seen_through_only:  # what u is made of stays as it is, to the last bit
-            fresh[0], fresh[1][..., 0] = self._voltages, self._before[..., 0]
-            fresh[3][..., 0, :] = self._motion[..., 0, :]
-            fresh[4][..., 0, :] = self._lines[..., 0, :]
-        for state, new in zip(self._states(), fresh, strict=True):
-            state[...] = np.where(_wide(where, state), new, state)
+            fresh.take_plain(self.state)
+        for kept, new in zip(self.state, fresh, strict=True):
+            kept[...] = np.where(_wide(where, kept), new, kept)
 
     def reset(self, mask: Mask) -> None:
         """Forget the past where `mask` (shape) holds; the model stays."""
-        for state in self._states():
-            state[...] = np.where(_wide(mask, state), 0.0, state)
+        for kept in self.state:
+            kept[...] = np.where(_wide(mask, kept), 0.0, kept)
         self._past[...] = np.where(mask, 0.0, self._past)
-        self.filling = np.where(mask, float(self.taps + self._settle), self.filling)
+        self.filling = np.where(mask, float(self.contents.taps + self._settle), self.filling)
         self._last = np.where(mask, 0.0, self._last)
 
 

@@ -2,25 +2,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a feedforward filter is a weighted sum of, and the same seen through the secondary path.
 
-The reference x is the lower plate's acceleration without the strut's own reaction (`reference_protection`). The filter
-is u(k) = w^T phi(k) with the regressor
+The reference x is the lower plate's acceleration without the strut's own reaction (see `reaction`). The filter is
+u(k) = w^T phi(k) with the regressor
 
     phi(k) = [x(k) ... x(k-L+1),  w_0 v(k), w_0^2 s(k),  u(k-1) ... u(k-P)],
 
-L taps, velocity v and displacement s of the lower plate, P own past voltages (filtered-u only). Physics asks for v and
-s: a strut that passes no force needs u = -(R / k_F) (C v + K s), a double integrator that an FIR filter would need
-seconds of taps to resemble. They come from drift-free integrators,
+L taps, velocity v and displacement s of the lower plate, P own past voltages (filtered-u only). v and s have a physical
+reason: a strut that passes no force needs u = -(R / k_F) (C v + K s). That is a double integrator, and an FIR filter
+would need seconds of taps to resemble it. They come from drift-free integrators,
 
     v / x = s / (s + w_m)^2,    s / x = s / (s + w_m)^3    (s: Laplace's on the right),
 
-by Tustin's rule, and are scaled by w_0 = 2 pi 10 rad/s so that all weights are of one size.
+by Tustin's rule. The factor w_0 = 2 pi 10 rad/s makes all weights of one size.
 
-Filtered-x: phi_f = G_hat phi. G_hat is linear and so are the filters above: phi_f is made like phi, from x_f = G_hat x
-and u_f = G_hat u. The same kernel runs over a whole history when G_hat changes, so that a new model finds phi_f and its
-filters as if it had been there all the time. With poles there is also phi_g = phi_f / (1 - C), see `filtered_u`.
+Filtered-x: phi_f = G_hat phi. G_hat and the filters above are linear, so phi_f is made like phi, from x_f = G_hat x and
+u_f = G_hat u. The same kernel runs over a whole history when G_hat changes; phi_f and its filters are then what they
+would be if the new model had always been there. With poles there is also phi_g = phi_f / (1 - C), see `filtered_u`.
 """
 
 import math
+from enum import IntEnum
+from typing import NamedTuple, Self
 
 import numpy as np
 from numba import njit
@@ -29,29 +31,117 @@ from satvib_common.kernels.compile import kernel
 from satvib_common.kernels.direct_form import filter_sample
 
 SCALE = 2.0 * math.pi * 10.0
-MOTION = 3  # states of the motion filters
+
+
+class Contents(NamedTuple):
+    """What a regressor holds: number of taps, whether velocity and displacement, number of poles (at most the taps)."""
+
+    taps: int
+    motion: int
+    poles: int
+
+    @property
+    def size(self) -> int:
+        """Number of weights p."""
+        return self.taps + 2 * self.motion + self.poles
+
+
+class MotionFilter(NamedTuple):
+    """Sections of the motion filters.
+
+    h (1 - z^-1) / (1 - p z^-1) is s / (s + w), and g (1 + z^-1) / (1 - p z^-1) is SCALE / (s + w).
+    """
+
+    h: float
+    g: float
+    p: float
+
+
+class _Row(IntEnum):
+    """Rows of `rows` and of `motion`."""
+
+    PLAIN = 0  # phi
+    FILTERED = 1  # phi_f
+    GRADIENT = 2  # phi_g, where there are poles
+
+
+class _Through(IntEnum):
+    """What goes through G_hat: rows of `filters`."""
+
+    APPLIED = 0
+    REFERENCE = 1
+    OWN = 2
+
+
+class _Before(IntEnum):
+    """What is kept of the sample before."""
+
+    REFERENCE = 0
+    OWN_EFFECT = 1
+
+
+class RegressorState(NamedTuple):
+    """What is remembered from sample to sample; the kernel changes the arrays in place.
+
+    Attributes:
+        voltages: (*shape, r) V, past of the applied voltage, newest first.
+        before: (*shape, 2) m/s^2, reference and G_hat own of the sample before.
+        filters: (*shape, 3, m) states of G_hat on the applied voltage, the reference and the own voltage.
+        motion: (*shape, l, 3) states of the motion filters of x, x_f and, with poles, x_g; l is 2 or 3.
+        rows: (*shape, l, p) phi, phi_f and, with poles, phi_g.
+    """
+
+    voltages: Array
+    before: Array
+    filters: Array
+    motion: Array
+    rows: Array
+
+    @classmethod
+    def zeros(cls, contents: Contents, reaction: int, path: int, shape: tuple[int, ...]) -> Self:
+        """At rest; `reaction` and `path` are the lengths r and m of the reaction and of G_hat."""
+        rows = len(_Row) if contents.poles else len(_Row) - 1
+        return cls(
+            voltages=np.zeros((*shape, reaction)),
+            before=np.zeros((*shape, len(_Before))),
+            filters=np.zeros((*shape, len(_Through), path)),
+            motion=np.zeros((*shape, rows, 3)),
+            rows=np.zeros((*shape, rows, contents.size)),
+        )
+
+    @property
+    def regressor(self) -> Array:
+        """Phi, (*shape, p)."""
+        return self.rows[..., _Row.PLAIN, :]
+
+    @property
+    def filtered(self) -> Array:
+        """Phi_f = G_hat phi, (*shape, p)."""
+        return self.rows[..., _Row.FILTERED, :]
+
+    @property
+    def gradient(self) -> Array:
+        """Change of the residual per weight, (*shape, p): phi_f, with poles phi_f / (1 - C)."""
+        return self.rows[..., -1, :]
+
+    def take_plain(self, other: Self) -> None:
+        """Copy from `other` what is not seen through G_hat, so what u is made of."""
+        self.voltages[...] = other.voltages
+        self.before[..., _Before.REFERENCE] = other.before[..., _Before.REFERENCE]
+        self.motion[..., _Row.PLAIN, :] = other.motion[..., _Row.PLAIN, :]
+        self.rows[..., _Row.PLAIN, :] = other.rows[..., _Row.PLAIN, :]
 
 
 def motion_coefficients(corner: float, dt: float) -> Array:
-    """Coefficients of the motion filters: gain and pole of each first-order section, by Tustin's rule.
-
-    1 / (s + w) becomes g (1 + z^-1) / (1 - p z^-1), s / (s + w) becomes h (1 - z^-1) / (1 - p z^-1).
-
-    Args:
-        corner: Hz.
-        dt: s.
-
-    Returns:
-        (3,) h, SCALE g, p.
-    """
+    """`MotionFilter` as an array (3,), by Tustin's rule; corner in Hz, dt in s."""
     w, c = 2.0 * math.pi * corner, 2.0 / dt
-    return np.array([c / (c + w), SCALE / (c + w), (c - w) / (c + w)])
+    return np.array(MotionFilter(h=c / (c + w), g=SCALE / (c + w), p=(c - w) / (c + w)))
 
 
 @njit
-def _motion(coefficients, state, x):
+def _motion(section, state, x):
     """One sample of both filters: scaled velocity and displacement."""
-    h, g, p = coefficients
+    h, g, p = section
     high = h * x + state[0]
     state[0] = p * high - h * x
     velocity = g * high + state[1]
@@ -62,45 +152,53 @@ def _motion(coefficients, state, x):
 
 
 @njit
-def _push(line, taps, motion, poles, x, v, s, u):
-    """Shift a regressor by one sample."""
-    for i in range(taps - 1, 0, -1):
-        line[i] = line[i - 1]
-    line[0] = x
-    at = taps
-    if motion:
-        line[at] = v
-        line[at + 1] = s
-        at += 2
-    if poles > 0:
-        for i in range(at + poles - 1, at, -1):
-            line[i] = line[i - 1]
-        line[at] = u
+def _push(row, contents, x, motion, u):
+    """Shift a regressor by one sample; `motion` is the pair of velocity and displacement."""
+    for i in range(contents.taps - 1, 0, -1):
+        row[i] = row[i - 1]
+    row[0] = x
+    first = contents.taps
+    if contents.motion:
+        row[first], row[first + 1] = motion
+        first += 2
+    if contents.poles > 0:
+        for i in range(first + contents.poles - 1, first, -1):
+            row[i] = row[i - 1]
+        row[first] = u
+
+
+@njit
+def _push_gradient(xf, uf, weights, section, contents, state):
+    """Shift phi_g, what is filtered through 1 / (1 - C); its own past stands in its row."""
+    row = state.rows[_Row.GRADIENT]
+    first = row.shape[0] - contents.poles
+    for i in range(contents.poles):
+        xf += weights[first + i] * row[i]
+        uf += weights[first + i] * row[first + i]
+    _push(row, contents, xf, _motion(section, state.motion[_Row.GRADIENT], xf), uf)
+
+
+@njit
+def _without_reaction(lower, applied, reaction, voltages):
+    """The reference: what the lower sensor measures without the response to the last voltages."""
+    for i in range(voltages.shape[0] - 1, 0, -1):
+        voltages[i] = voltages[i - 1]
+    voltages[0] = applied
+    x = lower
+    for i in range(reaction.shape[0]):
+        x -= reaction[i] * voltages[i]
+    return x
 
 
 @kernel(
     'void(f8[:],f8[:],f8[:],f8[:],f8[:],f8[:],f8[:],i8[:],f8[:],f8[:],f8[:],f8[:,:],f8[:,:],f8[:,:],f8[:],f8[:])',
     '(t),(t),(t),(r),(m),(m),(c),(z),(p),(r),(q),(g,m),(l,d),(l,p)->(t),(t)',
-    writable=('voltages', 'before', 'filters', 'motion', 'lines'),
+    writable=('voltages', 'before', 'filters', 'motion', 'rows'),
 )
-def run_line(
-    lower,
-    applied,
-    own,
-    reaction,
-    num,
-    den,
-    coefficients,
-    sizes,
-    weights,
-    voltages,
-    before,
-    filters,
-    motion,
-    lines,
-    reference,
-    effect,
-):
+def run_regressor(
+    lower, applied, own, reaction, num, den, coefficients, sizes, weights,
+    voltages, before, filters, motion, rows, reference, effect,
+):  # fmt: skip
     """Advance by t samples.
 
     Args:
@@ -110,50 +208,36 @@ def run_line(
         reaction: (r) m/s^2/V, response of the lower sensor to `applied`.
         num, den: (m) G_hat z in z^-1: its delay is counted from the sample that a voltage was computed from, and the
             voltages here are one sample old.
-        coefficients: (c) of the motion filters.
-        sizes: (taps, motion, poles); not more poles than taps.
+        coefficients: (3) `MotionFilter`.
+        sizes: (3) `Contents`.
         weights: (p) of the filter, of which the last are its poles' c.
-        voltages: (r) past of `applied`, newest first, changed.
-        before: (2) reference and G_hat own of the sample before, changed.
-        filters: (3, m) states of G_hat on applied, reference and own, changed.
-        motion: (l, 3) states of the motion filters of x, x_f and, if l is 3, x_g; changed.
-        lines: (l, p) phi, phi_f and, if l is 3, phi_g; changed.
+        voltages, before, filters, motion, rows: `RegressorState`, changed.
         reference: (t) out, x, m/s^2.
         effect: (t) out, G_hat applied, m/s^2: what the voltage does to the upper sensor.
     """
-    taps, with_motion, poles = sizes[0], sizes[1], sizes[2]
+    section = MotionFilter(coefficients[0], coefficients[1], coefficients[2])
+    contents = Contents(sizes[0], sizes[1], sizes[2])
+    state = RegressorState(voltages, before, filters, motion, rows)
     for k in range(lower.shape[0]):
-        for i in range(voltages.shape[0] - 1, 0, -1):
-            voltages[i] = voltages[i - 1]
-        voltages[0] = applied[k]
-        x = lower[k]
-        for i in range(reaction.shape[0]):
-            x -= reaction[i] * voltages[i]
+        x = _without_reaction(lower[k], applied[k], reaction, voltages)
         reference[k] = x
-        effect[k] = filter_sample(num, den, filters[0], applied[k])
-        xf = filter_sample(num, den, filters[1], before[0])
-        v, s = _motion(coefficients, motion[0], x)
-        vf, sf = _motion(coefficients, motion[1], xf)
-        if lines.shape[0] > 2:  # through 1 / (1 - C), whose own past stands in the line
-            xg, ug = xf, before[1]
-            first = lines.shape[1] - poles
-            for i in range(poles):
-                xg += weights[first + i] * lines[2, i]
-                ug += weights[first + i] * lines[2, first + i]
-            vg, sg = _motion(coefficients, motion[2], xg)
-            _push(lines[2], taps, with_motion, poles, xg, vg, sg, ug)
-        # the regressor of u is one sample old, so its filtered twin is the effect before this sample's
-        _push(lines[0], taps, with_motion, poles, x, v, s, own[k])
-        _push(lines[1], taps, with_motion, poles, xf, vf, sf, before[1])
-        before[0] = x
-        before[1] = filter_sample(num, den, filters[2], own[k])
+        effect[k] = filter_sample(num, den, filters[_Through.APPLIED], applied[k])
+        xf = filter_sample(num, den, filters[_Through.REFERENCE], before[_Before.REFERENCE])
+        # the regressor of u is one sample old, so its filtered twin is the effect of the sample before
+        uf = before[_Before.OWN_EFFECT]
+        if rows.shape[0] > _Row.GRADIENT:
+            _push_gradient(xf, uf, weights, section, contents, state)
+        _push(rows[_Row.PLAIN], contents, x, _motion(section, motion[_Row.PLAIN], x), own[k])
+        _push(rows[_Row.FILTERED], contents, xf, _motion(section, motion[_Row.FILTERED], xf), uf)
+        before[_Before.REFERENCE] = x
+        before[_Before.OWN_EFFECT] = filter_sample(num, den, filters[_Through.OWN], own[k])
 
 
-def line_table(taps: int, motion: bool, poles: int, corner: float, dt: float, f: Array) -> Array:
-    """Responses of the elements of the regressor, to the reference (the last: to the voltage).
+def response_table(contents: Contents, corner: float, dt: float, f: Array) -> Array:
+    """Responses of the elements of the regressor to the reference; those of the poles to the voltage.
 
     Args:
-        taps, motion, poles: what the line holds.
+        contents: of the regressor.
         corner: Hz, of the motion filters.
         dt: s.
         f: (f,) shares of the sample rate.
@@ -164,17 +248,9 @@ def line_table(taps: int, motion: bool, poles: int, corner: float, dt: float, f:
     z = np.exp(-2j * np.pi * f)
     h, g, p = motion_coefficients(corner, dt)
     high, low = h * (1.0 - z) / (1.0 - p * z), g * (1.0 + z) / (1.0 - p * z)
-    columns = [z**i for i in range(taps)]
-    if motion:
+    columns = [z**i for i in range(contents.taps)]
+    if contents.motion:
         columns += [high * low, high * low * low]
-    columns += [z**i for i in range(1, poles + 1)]
+    columns += [z**i for i in range(1, contents.poles + 1)]
     table = np.stack(columns, axis=-1)
     return np.stack([table.real, table.imag], axis=-1)
-
-
-def count(taps: int, motion: bool, poles: int) -> int:
-    """Number of weights."""
-    return taps + 2 * int(motion) + poles
-
-
-__all__ = ['MOTION', 'SCALE', 'count', 'line_table', 'motion_coefficients', 'run_line']

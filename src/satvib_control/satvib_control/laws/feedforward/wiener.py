@@ -2,15 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """What feedforward could have achieved: the causal Wiener optimum and the coherence bound.
 
-For stationary x and d the residual of a filter w on the regressor of `reference_line` is d + w^T phi_f, so the best
+For stationary x and d the residual of a filter w on the regressor of `regressor_kernel` is d + w^T phi_f. The best
 weights solve the normal equations
 
     (R + rho I) w = -r,    R = <phi_f phi_f^T>,    r = <phi_f d>,
 
 over a record; rho is the leak of the adaptive laws, 0 for the optimum itself. For taps alone R is Toeplitz and follows
-from correlations or spectra (`wiener_from_spectra`). Whatever a filter of that length and those data could do on-line,
-it cannot do better than this; and since the optimum is found on one part of the record and judged on another, neither
-can it be flattered by chance.
+from correlations or spectra (`wiener_from_spectra`). No filter of that length can do better on these data while it
+runs. The optimum is found on one part of the record and judged on another, so chance cannot improve the result.
 
 Without causality and without a limit on length the bound is the coherence of x and d at each frequency,
 
@@ -29,8 +28,12 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 
-from satvib_control.laws.feedforward.regressor_kernel import count, run_line
-from satvib_control.laws.feedforward.regressor_kernel import motion_coefficients as coefficients_of
+from satvib_control.laws.feedforward.regressor_kernel import (
+    Contents,
+    RegressorState,
+    motion_coefficients,
+    run_regressor,
+)
 
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
@@ -42,8 +45,8 @@ class WienerOptimum:
 
     Attributes:
         weights: (p,) V/(m/s^2), in the order of the regressor: taps, velocity, displacement.
-        attenuation: dB, RMS of the residual over RMS of d on the part that was not used; negative is better.
-        attenuation_fitted: dB, the same on the part that was.
+        attenuation: dB, RMS of the residual over RMS of d on the part that judges; negative is better.
+        attenuation_fitted: dB, the same on the part that the weights were found on.
         voltage_rms: V.
         voltage_peak: V.
     """
@@ -64,7 +67,7 @@ class CoherenceBound:
         coherence: (f,) from 0 to 1.
         attenuation: (f,) dB, bound at each frequency.
         total: dB, bound of the RMS.
-        blocks: averaged; coherence has a bias of about 1 / blocks, so no bound is believed below -10 log10(blocks) dB.
+        blocks: averaged; coherence has a bias of about 1 / blocks, no bound below -10 log10(blocks) dB is reliable.
     """
 
     frequency: Array
@@ -103,19 +106,19 @@ def regressors(
         raise SatvibError('wiener: one reference (t,) and one model are expected')
     if not np.isfinite(x).all():
         raise SatvibError(f'wiener: sample {int(np.argmin(np.isfinite(x)))} is not finite')
-    size = count(taps, motion, 0)
+    contents = Contents(taps, int(motion), 0)
     length = max(1 + model.order, model.delay - 1 + model.b.shape[-1], 2)
     num, den = np.zeros((2, length))
     num[model.delay - 1 : model.delay - 1 + model.b.shape[-1]] = model.b
     den[: 1 + model.order] = model.denominator
-    zero, lines = np.zeros(1), np.zeros((2, size))
-    states = (np.zeros(1), np.zeros(2), np.zeros((3, length)), np.zeros((2, 3)), lines)
-    settings = (coefficients_of(corner, model.dt), np.array([taps, int(motion), 0]))
-    phi, through = np.zeros((2, len(x), size))
+    zero, no_weights = np.zeros(1), np.zeros(contents.size)
+    state = RegressorState.zeros(contents, reaction=1, path=length, shape=())
+    settings = (motion_coefficients(corner, model.dt), np.array(contents))
+    phi, through = np.zeros((2, len(x), contents.size))
     for k, value in enumerate(x):
         sample = np.array([value])
-        run_line(sample, zero, zero, zero, num, den, *settings, lines[0], *states)
-        phi[k], through[k] = lines
+        run_regressor(sample, zero, zero, zero, num, den, *settings, no_weights, *state)
+        phi[k], through[k] = state.regressor, state.filtered
     return phi, through
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from satvib_control.laws.feedforward.filtered_u import stabilize
-from satvib_control.laws.feedforward.regressor_kernel import run_line
+from satvib_control.laws.feedforward.regressor_kernel import Contents, RegressorState, run_regressor
 from scipy.signal import lfilter
 
 
@@ -49,19 +49,19 @@ def test_the_regressor_is_the_gradient_of_the_residual():
     num, den = np.array([0.6, -0.2, 0.1]), np.array([1.0, -0.7, 0.3])
     x = rng.standard_normal(count)
     u = drive(theta, x, num, den, taps)[0]
-    lines = np.zeros((3, 6))
-    states = (np.zeros(1), np.zeros(2), np.zeros((3, 3)), np.zeros((3, 3)), lines)
+    contents = Contents(taps, 0, poles)
+    state = RegressorState.zeros(contents, reaction=1, path=3, shape=())
     for k in range(count):
         before = np.array([u[k - 1] if k else 0.0])
-        run_line(
+        run_regressor(
             x[k : k + 1], before, before, np.zeros(1), num, den, np.ones(3),
-            np.array([taps, 0, poles]), theta, *states,
+            np.array(contents), theta, *state,
         )  # fmt: skip
-        assert lines[0] @ theta == pytest.approx(u[k], abs=1e-12)
+        assert state.regressor @ theta == pytest.approx(u[k], abs=1e-12)
     h = 1e-5
     for i in range(6):
         move = h * np.eye(6)[i]
         up = drive(theta + move, x, num, den, taps)[1]
         down = drive(theta - move, x, num, den, taps)[1]
         slope = (up[-1] - down[-1]) / (2 * h)
-        assert lines[2, i] == pytest.approx(slope, abs=1e-5 * np.abs(lines[2]).max())
+        assert state.gradient[i] == pytest.approx(slope, abs=1e-5 * np.abs(state.gradient).max())

@@ -8,7 +8,7 @@ from satvib_control.laws.feedforward.fxlms import fxlms
 
 
 def step(regressor, error, weights, power, mu=0.1, leak=0.0, forget=1.0, active=True):
-    return fxlms(regressor, error, active, np.array([mu, leak, forget, 0.0]), weights, power)
+    return fxlms(regressor, error, active, mu, leak, forget, weights, power)
 
 
 def test_the_step_goes_down_the_gradient():

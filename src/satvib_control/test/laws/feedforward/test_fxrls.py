@@ -2,20 +2,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """The least squares of feedforward against batch least squares, and how they last."""
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
-from satvib_control.laws.feedforward.fxrls import fxrls
+from satvib_control.laws.feedforward.fxrls import LeastSquares
 
 
 def run(phi, d, share, leak, pace=1.0, active=None, state=None):
-    """Weights after the rows of phi (t, p) and d (t), with the state (w, U, d, memory) of the end."""
+    """Weights after the rows of phi (t, p) and d (t), and the least squares of the end."""
     p = phi.shape[1]
-    w, U, diag, memory = state or (np.zeros(p), np.zeros((p, p)), np.zeros(p), np.zeros(2))
-    settings = np.array([pace, leak, share, 0.0])
+    w, squares = state or (np.zeros(p), LeastSquares(p))
     for k, row in enumerate(phi):
         on = True if active is None else active[k]
-        fxrls(row, d[k] + w @ row, row @ row, on, settings, w, U, diag, memory)
-    return w, U, diag, memory
+        squares.step(w, row, d[k] + w @ row, row @ row, on, pace=pace, leak=leak, share=share)
+    return w, squares
 
 
 def test_it_is_exponentially_weighted_ridge_regression():
@@ -48,11 +49,11 @@ def test_p_stays_positive_and_bounded_on_a_tone():
     x = np.sin(2 * np.pi * 0.05 * k)
     phi = np.stack([np.roll(x, i) for i in range(20)], axis=-1)[20:]
     share, leak = 1 / 200, 1e-3
-    w, U, diag, memory = run(phi, x[20:], share, leak)
-    assert (diag > 0).all()
-    P = U @ np.diag(diag) @ U.T
+    w, squares = run(phi, x[20:], share, leak)
+    assert (squares.d > 0).all()
+    P = squares.U @ np.diag(squares.d) @ squares.U.T
     assert np.linalg.eigvalsh(P).min() > 0
-    rho = leak * memory[0] / (20 * share)
+    rho = leak * squares.power / (20 * share)
     assert np.trace(P) < 3 * 20 / rho
     # and the tone is cancelled to the share of the leak: q P / p over the half of P in each direction
     left = np.abs(x[-100:] + phi[-100:] @ w).max()
@@ -80,7 +81,7 @@ def test_pace_slows_the_correction():
     state = run(phi[:100], d[:100], 0.02, 1e-9)
     moved = []
     for pace in (1.0, 0.25):
-        copies = tuple(a.copy() for a in state)
+        copies = deepcopy(state)
         moved.append(run(phi[100:], d[100:], 0.02, 1e-9, pace=pace, state=copies)[0] - state[0])
     np.testing.assert_allclose(moved[1], 0.25 * moved[0], rtol=1e-6)
 
@@ -89,28 +90,31 @@ def test_inactive_and_absurd_samples_change_nothing():
     """Truth: the state as it was. Exact."""
     rng = np.random.default_rng(4)
     phi, d = rng.standard_normal((60, 4)), rng.standard_normal(60)
-    w, U, diag, memory = run(phi, d, 0.02, 1e-3)
-    kept = [a.copy() for a in (w, U, diag, memory)]
-    settings = np.array([1.0, 1e-3, 0.02, 0.0])
+    w, squares = run(phi, d, 0.02, 1e-3)
+    kept = deepcopy((w, squares))
+    how = {'pace': 1.0, 'leak': 1e-3, 'share': 0.02}
     for error, active in ((1.0, False), (np.nan, True), (1e200, True)):
-        fxrls(phi[0], error, phi[0] @ phi[0], active, settings, w, U, diag, memory)
-    fxrls(phi[0] * np.nan, 1.0, np.nan, True, settings, w, U, diag, memory)
-    for now, before in zip((w, U, diag, memory), kept, strict=True):
-        assert np.array_equal(now, before)
+        squares.step(w, phi[0], error, phi[0] @ phi[0], active, **how)
+    squares.step(w, phi[0] * np.nan, 1.0, np.nan, True, **how)
+    assert np.array_equal(w, kept[0])
+    for name in ('U', 'd', 'power'):
+        assert np.array_equal(getattr(squares, name), getattr(kept[1], name))
+    # the next j too: the next sample does what it would have done
+    after = [run(phi[:1], d[:1], 0.02, 1e-3, state=state)[0] for state in ((w, squares), kept)]
+    assert np.array_equal(*after)
 
 
 def test_bits_do_not_depend_on_the_batch():
     """Truth: the items one by one. Exact."""
     rng = np.random.default_rng(5)
     phi, d = rng.standard_normal((80, 2, 3, 6)), rng.standard_normal((80, 2, 3))
-    w, U = np.zeros((2, 3, 6)), np.zeros((2, 3, 6, 6))
-    diag, memory = np.zeros((2, 3, 6)), np.zeros((2, 3, 2))
-    settings = np.array([1.0, 1e-3, 0.02, 0.0])
+    w, squares = np.zeros((2, 3, 6)), LeastSquares(6, (2, 3))
+    how = {'pace': 1.0, 'leak': 1e-3, 'share': 0.02}
     for k in range(80):
-        fxrls(phi[k], d[k], phi[k, ..., 0] ** 2, True, settings, w, U, diag, memory)
+        squares.step(w, phi[k], d[k], phi[k, ..., 0] ** 2, True, **how)
     for i in np.ndindex(2, 3):
-        one = (np.zeros(6), np.zeros((6, 6)), np.zeros(6), np.zeros(2))
+        one, alone = np.zeros(6), LeastSquares(6)
         for k in range(80):
-            fxrls(phi[k][i], d[k][i], phi[k][i][0] ** 2, True, settings, *one)
-        assert np.array_equal(one[0], w[i])
-        assert np.array_equal(one[1], U[i])
+            alone.step(one, phi[k][i], d[k][i], phi[k][i][0] ** 2, True, **how)
+        assert np.array_equal(one, w[i])
+        assert np.array_equal(alone.U, squares.U[i])

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The learnt reaction, and whether it is believed."""
+"""The learnt reaction, and when it is used."""
 
 import numpy as np
 import pytest
 from satvib_control.laws.feedforward.reaction import FREQUENCIES, ReferenceProtection, loop_gain
-from satvib_control.laws.feedforward.regressor_kernel import line_table
+from satvib_control.laws.feedforward.regressor_kernel import Contents, response_table
 from satvib_ident.excitation import make_excitation
 from scipy.signal import freqz, lfilter
 
@@ -53,7 +53,7 @@ def test_noise_is_not_taken_for_a_reaction(seed):
     assert not protection.reaction.any()
 
 
-def test_too_few_or_missing_samples_teach_nothing():
+def test_nothing_is_learnt_from_too_few_or_missing_samples():
     """Truth: with fewer than ten samples a tap nothing is used, and none with the sensor missing. Exact."""
     u = squares(400)
     lower = lfilter(REACTION, [1.0], u)
@@ -66,7 +66,7 @@ def test_too_few_or_missing_samples_teach_nothing():
 def test_the_loop_gain_is_the_largest_of_w_times_f():
     """Truth: scipy.signal.freqz of the filter with taps and poles. 1e-9 relative."""
     taps, poles = np.array([2.0, -1.0, 0.5]), np.array([0.6, -0.2])
-    table = line_table(3, False, 2, 0.5, 0.005, FREQUENCIES)
+    table = response_table(Contents(3, 0, 2), 0.5, 0.005, FREQUENCIES)
     reaction = np.abs(freqz(REACTION, 1.0, 2 * np.pi * FREQUENCIES)[1])
     w = freqz(taps, np.concatenate([[1.0], -poles]), 2 * np.pi * FREQUENCIES)[1]
     found = loop_gain(np.concatenate([taps, poles]), table, 2, reaction)

@@ -4,22 +4,16 @@
 
 import numpy as np
 from satvib_control.laws.feedforward.regressor_kernel import (
-    line_table,
+    Contents,
+    RegressorState,
     motion_coefficients,
-    run_line,
+    response_table,
+    run_regressor,
 )
 from scipy.signal import bilinear, freqz, lfilter
 
 RATE, CORNER = 200.0, 0.5
 NUM, DEN = np.array([0.0, 0.6, -0.2]), np.array([1.0, -0.7, 0.3])
-
-
-def states(taps, motion=1, reaction=1, rows=2):
-    size = taps + 2 * motion
-    return (
-        np.zeros(reaction), np.zeros(2), np.zeros((3, 3)), np.zeros((rows, 3)),
-        np.zeros((rows, size)),
-    )  # fmt: skip
 
 
 def motion_filters():
@@ -37,26 +31,27 @@ def test_taps_motion_and_filtered_twins_equal_scipy():
     lower, applied = rng.standard_normal((2, 400))
     reaction = np.array([0.1, -0.2, 0.05])
     x = lower - lfilter(reaction, [1.0], applied)
-    state = states(4, reaction=3)
-    reference, effect = run_line(
+    contents = Contents(4, 1, 0)
+    state = RegressorState.zeros(contents, reaction=3, path=3, shape=())
+    reference, effect = run_regressor(
         lower, applied, np.zeros(400), reaction, NUM, DEN, motion_coefficients(CORNER, 1 / RATE),
-        np.array([4, 1, 0]), np.zeros(6), *state,
+        np.array(contents), np.zeros(6), *state,
     )  # fmt: skip
     np.testing.assert_allclose(reference, x, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(effect, lfilter(NUM, DEN, applied), rtol=1e-9, atol=1e-12)
     # the reference passes one more sample of delay than a voltage that is one sample old
     through = lfilter(NUM, DEN, np.concatenate([[0.0], x[:-1]]))
-    for line, signal in ((state[4][0], x), (state[4][1], through)):
-        np.testing.assert_allclose(line[:4], signal[:-5:-1], rtol=1e-9, atol=1e-12)
+    for row, signal in ((state.regressor, x), (state.filtered, through)):
+        np.testing.assert_allclose(row[:4], signal[:-5:-1], rtol=1e-9, atol=1e-12)
         for i, (b, a) in enumerate(motion_filters()):
             full = lfilter(b, a, signal)
-            assert abs(line[4 + i] - full[-1]) < 1e-9 * np.abs(full).max()
+            assert abs(row[4 + i] - full[-1]) < 1e-9 * np.abs(full).max()
 
 
-def test_the_table_holds_the_responses_of_the_line():
+def test_the_table_holds_the_responses_of_the_regressor():
     """Truth: scipy.signal.freqz of the same filters. 1e-9 relative."""
     f = np.array([0.01, 0.05, 0.2, 0.5])
-    table = line_table(3, True, 2, CORNER, 1 / RATE, f)
+    table = response_table(Contents(3, 1, 2), CORNER, 1 / RATE, f)
     found = table[..., 0] + 1j * table[..., 1]
     z = np.exp(-2j * np.pi * f)
     wanted = [z**0, z, z**2]
@@ -67,36 +62,35 @@ def test_the_table_holds_the_responses_of_the_line():
 
 def test_a_constant_reference_gives_no_motion():
     """Truth: both integrators have a zero at z = 1; below 1e-9 after 30 s, whatever the bias."""
-    state = states(2)
-    run_line(
+    contents = Contents(2, 1, 0)
+    state = RegressorState.zeros(contents, reaction=1, path=3, shape=())
+    run_regressor(
         np.full(6000, 3.0), np.zeros(6000), np.zeros(6000), np.zeros(1), NUM, DEN,
-        motion_coefficients(CORNER, 1 / RATE), np.array([2, 1, 0]), np.zeros(4), *state,
+        motion_coefficients(CORNER, 1 / RATE), np.array(contents), np.zeros(4), *state,
     )  # fmt: skip
-    assert np.abs(state[4][0][2:]).max() < 1e-9
+    assert np.abs(state.regressor[2:]).max() < 1e-9
 
 
 def test_one_run_is_the_samples_one_by_one_for_any_batch():
     """Truth: the same kernel, sample by sample and item by item. Exact."""
     rng = np.random.default_rng(2)
     lower, applied, own = rng.standard_normal((3, 2, 3, 50))
+    contents = Contents(3, 1, 2)
     rest = (
-        np.array([0.1, 0.2]), NUM, DEN, motion_coefficients(CORNER, 1 / RATE), np.array([3, 1, 2]),
+        np.array([0.1, 0.2]), NUM, DEN, motion_coefficients(CORNER, 1 / RATE), np.array(contents),
         np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, -0.3]),
     )  # fmt: skip
 
     def empty(shape):
-        return (
-            np.zeros((*shape, 2)), np.zeros((*shape, 2)), np.zeros((*shape, 3, 3)),
-            np.zeros((*shape, 3, 3)), np.zeros((*shape, 3, 7)),
-        )  # fmt: skip
+        return RegressorState.zeros(contents, reaction=2, path=3, shape=shape)
 
     whole = empty((2, 3))
-    reference, effect = run_line(lower, applied, own, *rest, *whole)
+    reference, effect = run_regressor(lower, applied, own, *rest, *whole)
     for i in np.ndindex(2, 3):
         alone = empty(())
         for k in range(50):
             at = slice(k, k + 1)
-            r, e = run_line(lower[i][at], applied[i][at], own[i][at], *rest, *alone)
+            r, e = run_regressor(lower[i][at], applied[i][at], own[i][at], *rest, *alone)
             assert r[0] == reference[i][k]
             assert e[0] == effect[i][k]
         for one, all_of_it in zip(alone, whole, strict=True):
