@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of docs/between_samples.md that are no study: what the models know, and what a second channel sees.
+"""Tables of docs/between_samples.md that are no sweep: what the models know, and what a second channel sees.
 
     ./satvib shell
     python benchmarks/between_samples.py --page docs/between_samples.md
@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 from model_phase import HEAD, ORDERS, RATES, Case, row
 from satvib_common.arrays import Array
-from satvib_experiment.analysis.evaluation import fine
 from satvib_experiment.analysis.levels import decibel, rms, tone_level
+from satvib_experiment.recording.signals import fine
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import simulate, simulate_open_loop
 from satvib_studies.sweep.tables import fill, plain_markdown

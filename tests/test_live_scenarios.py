@@ -38,7 +38,7 @@ FIELDS = {
 def check(name, folder, new_domain, *changes):
     """Run a scenario live, hold it against its twin and its bars."""
     from satvib_bringup.live.run import run_experiment
-    from satvib_experiment.analysis import analyse
+    from satvib_experiment.analysis.analysis import analyse
     from satvib_experiment.recording.bag_reader import read_recording
     from satvib_experiment.scenario.scenario import load_scenario
     from satvib_experiment.twin.closed_loop import simulate

@@ -1,3 +1,29 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Live."""
+"""A scenario as a live graph of processes: described, started, watched, stopped."""
+
+from typing import TYPE_CHECKING
+
+from satvib_common.door import door
+
+if TYPE_CHECKING:
+    from satvib_bringup.live.discovery import Discovery
+    from satvib_bringup.live.graph import Graph, Process, Stage, graph_of
+    from satvib_bringup.live.observer import Observer
+    from satvib_bringup.live.progress import Outcome, Progress
+    from satvib_bringup.live.run import run_experiment
+    from satvib_bringup.live.supervisor import Supervisor
+
+__all__ = [
+    'Discovery',
+    'Graph',
+    'Observer',
+    'Outcome',
+    'Process',
+    'Progress',
+    'Stage',
+    'Supervisor',
+    'graph_of',
+    'run_experiment',
+]
+__getattr__, __dir__ = door(__name__, __file__)

@@ -13,7 +13,7 @@ from satvib_experiment.analysis.tones import disturbance_onset
 from satvib_experiment.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
-    from satvib_experiment.twin.closed_loop import LoopStep
+    from satvib_experiment.twin.step import LoopStep
 
 Update = Callable[[Phase, float, Array], None]
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Is everyone of a graph there, and has everyone found everyone?
+"""Which nodes of a graph are there, and whether they have found each other.
 
-That a reader and a writer are both in the graph does not mean that they have found each other: on a busy machine that
-takes a second more. In lockstep nobody misses anything by it; in real time the first samples would be lost, so there
-every node must have said on /diagnostics that it has found the others.
+A reader and a writer that are both in the graph have not yet found each other: on a busy machine that takes a second
+more. In lockstep this costs no sample. In real time the first samples would be lost, so there every node must first
+report on /diagnostics that it has found the others.
 """
 
 from collections import Counter
@@ -17,34 +17,34 @@ from satvib_common.ros.qos import wanted
 
 from satvib_bringup.live.graph import Graph
 
-# of /diagnostics: what was said before counts too
-SAID = wanted(whole=True, depth=100)
+# of /diagnostics: what nodes reported before counts too
+REPORTS = wanted(whole=True, depth=100)
 _OURS = frozenset({
     'plant_sim', 'strut_controller', 'centralized_controller', 'strut_identifier', 'recorder',
     'daq_bridge',
 })  # fmt: skip
 
 
-class Company:
-    """Who is there, seen from a node that sets the graph going.
+class Discovery:
+    """Which nodes are there, seen from the node that publishes the schedule.
 
     Args:
-        graph: what is to be there.
+        graph: the nodes that are wanted.
         node: looks.
-        schedule_out: with what it will set the graph going.
+        schedule_out: its publisher of the schedule.
     """
 
     def __init__(self, graph: Graph, node: Node, schedule_out: Publisher) -> None:
         self.graph = graph
         self._node = node
         self._schedule_out = schedule_out
-        self._said: dict[str, dict[str, int]] = {}
+        self._reported: dict[str, dict[str, int]] = {}
 
-    def hear(self, message: DiagnosticArray) -> None:
-        """Take what nodes say on /diagnostics of their own readers and writers."""
+    def on_diagnostics(self, message: DiagnosticArray) -> None:
+        """Take what nodes report on /diagnostics about their own readers and writers."""
         for status in message.status:
             if status.level != DiagnosticStatus.STALE:
-                self._said[status.name.lstrip('/')] = {
+                self._reported[status.name.lstrip('/')] = {
                     pair.key: int(pair.value)
                     for pair in status.values
                     if pair.key.startswith((READERS_OF, WRITERS_OF))
@@ -58,38 +58,38 @@ class Company:
             if name in _OURS
         )
 
-    def strangers(self) -> list[str]:
-        """Satvib nodes that are not of this graph, or there twice."""
+    def foreign_nodes(self) -> list[str]:
+        """Satvib nodes that do not belong to this graph, or are there twice."""
         own = Counter(process.full_name for process in self.graph.processes)
         return sorted((self.nodes() - own).elements())
 
     def missing(self) -> list[str]:
-        """What is not there yet: nodes; then topics without writer or readers; then, in real time, who lacks whom."""
+        """What is missing: nodes; then topics without writer or readers; then, in real time, connections."""
         nodes = self.nodes()
         if absent := [p.full_name for p in self.graph.processes if not nodes[p.full_name]]:
             return absent
         node = self._node
-        lonely = [
+        incomplete = [
             topic
             for topic, readers in self.graph.readers().items()
             if node.count_publishers(topic) < 1 or node.count_subscribers(topic) < readers
         ]
-        return lonely if lonely or not self.graph.realtime else self._alone()
+        return incomplete if incomplete or not self.graph.realtime else self._unconnected()
 
-    def _alone(self) -> list[str]:
-        """Nodes that have not said yet that they have found everyone, with what they lack."""
+    def _unconnected(self) -> list[str]:
+        """Nodes that have not yet reported all their connections, with the first one that is missing."""
         needed = {}
         for topic, readers in self.graph.readers().items():
             needed[READERS_OF + topic], needed[WRITERS_OF + topic] = readers, 1
         found = []
         for process in self.graph.processes:
-            said = self._said.get(process.full_name)
+            reported = self._reported.get(process.full_name)
             lacking = (
-                [key for key, count in said.items() if count < needed.get(key, 0)]
-                if said
+                [key for key, count in reported.items() if count < needed.get(key, 0)]
+                if reported
                 else ['diagnostics']
             )
             if lacking:
                 found.append(f'{process.full_name} without {lacking[0]}')
-        heard = self._schedule_out.get_subscription_count()
-        return found or ([] if heard >= self.graph.readers()['/schedule'] else ['/schedule'])
+        readers = self._schedule_out.get_subscription_count()
+        return found or ([] if readers >= self.graph.readers()['/schedule'] else ['/schedule'])

@@ -22,7 +22,7 @@ from rclpy.signals import SignalHandlerOptions
 from satvib_common.phases import Phase
 from satvib_common.ros.qos import offered
 
-from satvib_bringup.live.discovery import SAID, Company
+from satvib_bringup.live.discovery import REPORTS, Discovery
 from satvib_bringup.live.graph import Graph
 from satvib_bringup.live.progress import Progress
 from satvib_bringup.live.schedule_message import schedule_message
@@ -53,11 +53,11 @@ class Observer:
         self._schedule_out = self._node.create_publisher(Schedule, '/schedule', offered(1))
         self._states: dict[str, Any] = {}
         self._quiet = dict.fromkeys(graph.struts, math.nan)
-        self.company = Company(graph, self._node, self._schedule_out)
+        self.discovery = Discovery(graph, self._node, self._schedule_out)
         self._began = time.monotonic()
         if graph.realtime:
             self._diagnostics = self._node.create_subscription(
-                DiagnosticArray, '/diagnostics', self.company.hear, SAID
+                DiagnosticArray, '/diagnostics', self.discovery.on_diagnostics, REPORTS
             )
         for strut in graph.struts:
             self._node.create_subscription(
@@ -87,7 +87,7 @@ class Observer:
         """What is not there yet, after what nodes have said meanwhile."""
         if self.graph.realtime:
             self._spin(2 * len(self.graph.processes))
-        return self.company.missing()
+        return self.discovery.missing()
 
     def _spin(self, times: int) -> None:
         for _ in range(times):

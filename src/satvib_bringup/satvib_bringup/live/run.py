@@ -67,22 +67,22 @@ def run_experiment(
     commands = {p.full_name: executable(p.package, p.executable) for p in graph.processes}
     use_profiles()
     with Observer(graph) as observer, _interruptible(cancel) as interrupted:
-        _refuse_company(observer)
+        _refuse_foreign_nodes(observer)
         make_run_folder(folder)
         run = _Run(graph, folder, bag, interrupted)
         with Supervisor(folder / 'logs', graph_environment()) as supervisor:
             return run.go(supervisor, observer, commands, progress)
 
 
-def _refuse_company(observer: Observer) -> None:
+def _refuse_foreign_nodes(observer: Observer) -> None:
     deadline = time.monotonic() + _LOOK_AROUND
     while time.monotonic() < deadline:
-        if others := list(observer.company.nodes()):
-            raise SatvibError(_company(others))
+        if others := list(observer.discovery.nodes()):
+            raise SatvibError(_foreign_message(others))
         time.sleep(0.05)
 
 
-def _company(others: list[str]) -> str:
+def _foreign_message(others: list[str]) -> str:
     domain = os.environ.get('ROS_DOMAIN_ID', '0')
     named = ', '.join(others[:3]) + (', ...' if len(others) > 3 else '')
     return (
@@ -156,8 +156,8 @@ class _Run:
         deadline = time.monotonic() + _START
         while missing := observer.missing():
             self._look_for_the_dead(supervisor)
-            if strangers := observer.company.strangers():
-                raise _EndedError(_company(strangers), 2)
+            if foreign_nodes := observer.discovery.foreign_nodes():
+                raise _EndedError(_foreign_message(foreign_nodes), 2)
             if time.monotonic() > deadline:
                 named = ', '.join(missing[:3]) + (', ...' if len(missing) > 3 else '')
                 raise _EndedError(f'the graph is not complete after {_START:g} s: {named}', 1)

@@ -10,7 +10,7 @@ from pathlib import Path
 from satvib_common.errors import RunError, SatvibError
 from satvib_experiment.recording.bag_reader import read_recording
 from satvib_experiment.recording.run_folder import free_run_folder, write_scenario
-from satvib_experiment.report import write_report
+from satvib_experiment.report.build import write_report
 from satvib_experiment.scenario.scenario import load_scenario
 
 from satvib_bringup.live.progress import Progress

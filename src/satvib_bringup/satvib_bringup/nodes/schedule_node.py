@@ -17,7 +17,7 @@ from satvib_common.ros.qos import offered
 from satvib_common.schema import Schema, param
 from satvib_experiment.scenario.scenario import load_scenario
 
-from satvib_bringup.live.discovery import SAID, Company
+from satvib_bringup.live.discovery import REPORTS, Discovery
 from satvib_bringup.live.graph import graph_of
 from satvib_bringup.live.schedule_message import schedule_message
 from satvib_msgs.msg import Schedule as ScheduleMessage
@@ -50,7 +50,7 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
         bag = Path('bag') if p.recorded else None
         self.graph = graph_of(load_scenario(p.scenario, p.overrides), p.realtime, bag)
         self.publisher = self.publish_on(ScheduleMessage, 'schedule', offered(1))
-        self.company = Company(self.graph, self, self.publisher)
+        self.discovery = Discovery(self.graph, self, self.publisher)
         self.waits = False
 
     def begin(self) -> None:
@@ -58,7 +58,7 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
         self.waits = self.parameters.realtime
         self.deadline = time.monotonic() + _PATIENCE
         if self.waits:
-            self.listen_to(DiagnosticArray, '/diagnostics', self.company.hear, SAID)
+            self.listen_to(DiagnosticArray, '/diagnostics', self.discovery.on_diagnostics, REPORTS)
         else:
             self._publish()
 
@@ -66,7 +66,7 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
         """Publish as soon as nobody lacks anybody."""
         if not self.waits:
             return super().tick()
-        missing = self.company.missing()
+        missing = self.discovery.missing()
         if missing and time.monotonic() < self.deadline:
             return _LOOK
         if missing:
@@ -79,7 +79,7 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
 
     def diagnose(self) -> tuple[str, dict[str, object]]:
         """Say whom it waits for."""
-        missing = self.company.missing() if self.waits else []
+        missing = self.discovery.missing() if self.waits else []
         return f'waiting for {missing[0]}' if missing else '', {}
 
     def _publish(self) -> None:

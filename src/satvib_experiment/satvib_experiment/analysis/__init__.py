@@ -1,25 +1,28 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""From a recording to figures: windows, levels, attenuations, and what must be said about them."""
+"""From a recording to figures: windows, levels, attenuations, and the notes on them."""
 
-from satvib_experiment.analysis.evaluation import Evaluation, evaluate
-from satvib_experiment.analysis.notes import notes_for
-from satvib_experiment.recording.recording import Recording
+from typing import TYPE_CHECKING
 
-__all__ = ['Evaluation', 'analyse', 'evaluate']
+from satvib_common.door import door
 
+if TYPE_CHECKING:
+    from satvib_experiment.analysis.analysis import analyse
+    from satvib_experiment.analysis.evaluation import Evaluation, evaluate
+    from satvib_experiment.analysis.levels import moving_rms, spectrum, tone_amplitudes, tone_level
+    from satvib_experiment.analysis.notes import notes_for
+    from satvib_experiment.analysis.windows import Windows, find_windows
 
-def analyse(recording: Recording) -> tuple[Evaluation, Recording | None]:
-    """Evaluate a run; a simulated one beside its open-loop twin on the same seed, which is given too.
-
-    Raises:
-        SatvibError: the recording ends before its own windows.
-    """
-    open_loop = None
-    if recording.scenario is not None and recording.has('truth'):
-        from satvib_experiment.twin.closed_loop import simulate_open_loop
-
-        open_loop = simulate_open_loop(recording)
-    evaluation = evaluate(recording, open_loop)
-    evaluation.notes = notes_for(recording, evaluation)
-    return evaluation, open_loop
+__all__ = [
+    'Evaluation',
+    'Windows',
+    'analyse',
+    'evaluate',
+    'find_windows',
+    'moving_rms',
+    'notes_for',
+    'spectrum',
+    'tone_amplitudes',
+    'tone_level',
+]
+__getattr__, __dir__ = door(__name__, __file__)

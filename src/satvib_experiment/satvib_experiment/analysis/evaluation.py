@@ -15,6 +15,7 @@ from satvib_experiment.analysis.levels import decibel, moving_rms, rms, tone_flo
 from satvib_experiment.analysis.tones import disturbance_onset, disturbance_tones
 from satvib_experiment.analysis.windows import Span, Windows, find_windows
 from satvib_experiment.recording.recording import Recording
+from satvib_experiment.recording.signals import fine
 
 KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')
 # a run has settled once its level stays within this of the level in the controlled window
@@ -127,12 +128,6 @@ def _levels(recording: Recording, span: Span, tones: Sequence[float]) -> dict[st
         unknown = np.full(len(recording.struts), np.nan)
         result['true_rms'] = result['true_tone'] = unknown
     return result
-
-
-def fine(recording: Recording, window: slice = slice(None), plate: str = 'upper') -> Array:
-    """The truth on the fine grid, in one line of time: (samples * fine, struts)."""
-    truth = recording.get('truth', plate)[window]
-    return np.moveaxis(truth, 1, 2).reshape(-1, truth.shape[1])
 
 
 def _attenuation(level: dict[str, Array], baseline: dict[str, Array]) -> dict[str, Array]:

@@ -11,7 +11,7 @@ from satvib_common.phases import Phase
 
 from satvib_experiment.recording.csv_columns import read_columns
 from satvib_experiment.recording.load import load_recording
-from satvib_experiment.report.context import without_bias
+from satvib_experiment.recording.signals import without_bias
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 
-from satvib_experiment.analysis import Evaluation, analyse
+from satvib_experiment.analysis.analysis import analyse
+from satvib_experiment.analysis.evaluation import Evaluation
 from satvib_experiment.recording.recording import Recording
 from satvib_experiment.report.context import Context
 

@@ -3,14 +3,14 @@
 """What every figure of a report is drawn from."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.phases import Phase
 
-from satvib_experiment.analysis.evaluation import Evaluation, fine
+from satvib_experiment.analysis.evaluation import Evaluation
 from satvib_experiment.recording.recording import Recording
+from satvib_experiment.recording.signals import fine, without_bias
 
 
 @dataclass(frozen=True)
@@ -52,17 +52,3 @@ class Context:
             if found is phase:
                 return start, end
         return None
-
-
-def without_bias(recording: Recording, window: slice = slice(None)) -> Array:
-    """Upper acceleration as sampled (samples, struts), m/s^2, less what the sensor read at rest.
-
-    The bias that the controllers learnt last; without their states, the mean before anything moves is unknown and the
-    mean of all is taken.
-    """
-    upper = recording.get('acceleration', 'upper')
-    bias: Any = np.nanmean(upper, axis=0)
-    if recording.has('state', 'bias_upper'):
-        learnt = recording.get('state', 'bias_upper')[-1]
-        bias = np.where(np.isfinite(learnt), learnt, bias)
-    return np.asarray((upper - bias)[window])

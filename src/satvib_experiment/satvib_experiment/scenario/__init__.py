@@ -1,3 +1,39 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Scenario."""
+"""What is run: scenarios and settings files, checked when they are loaded."""
+
+from typing import TYPE_CHECKING
+
+from satvib_common.door import door
+
+if TYPE_CHECKING:
+    from satvib_experiment.scenario.scenario import (
+        AnalysisSettings,
+        PhaseStep,
+        Scenario,
+        check_scenario,
+        load_scenario,
+        scenario_names,
+    )
+    from satvib_experiment.scenario.settings_file import (
+        load_settings,
+        names_in,
+        nearest,
+        resolve_path,
+        settings_path,
+    )
+
+__all__ = [
+    'AnalysisSettings',
+    'PhaseStep',
+    'Scenario',
+    'check_scenario',
+    'load_scenario',
+    'load_settings',
+    'names_in',
+    'nearest',
+    'resolve_path',
+    'scenario_names',
+    'settings_path',
+]
+__getattr__, __dir__ = door(__name__, __file__)

@@ -20,8 +20,6 @@ from satvib_plant_sim.rig.rig import Rig
 if TYPE_CHECKING:
     from satvib_control.laws.centralized.parameters import CentralizedParameters
 
-    from satvib_experiment.scenario.scenario import Scenario
-
 # settings of a strut's controller that say which law it has
 _OF_STRUTS = ('law',)
 
@@ -65,19 +63,30 @@ def strut_angles(rig: AnyRig, where: str) -> list[float]:
     return [rig.struts.first_angle + 360.0 * i / count for i in range(count)]
 
 
-def centralized_parameters(scenario: Scenario, shared: Mapping[str, Any]) -> CentralizedParameters:
+def centralized_parameters(
+    name: str,
+    rig: AnyRig,
+    controller: Mapping[str, Any],
+    centralized: Mapping[str, Any],
+    shared: Mapping[str, Any],
+) -> CentralizedParameters:
     """Give the parameters of the centralized controller of a scenario.
 
     Args:
-        scenario: its `controller` gives what both schemes have, `centralized` the rest.
+        name: of the scenario.
+        rig: gives the angles of the struts.
+        controller: parameters that both schemes have.
+        centralized: parameters of this scheme, over those.
         shared: what all nodes of the loop have.
+
+    Raises:
+        SatvibError: a parameter does not fit, or the rig has no geometry.
     """
     from satvib_control.laws.centralized.parameters import CentralizedParameters
 
-    where = f'scenario {scenario.name}: centralized'
-    angles = strut_angles(scenario.load_rig(), f'scenario {scenario.name}')
-    common = {k: v for k, v in scenario.controller.items() if k not in _OF_STRUTS}
+    angles = strut_angles(rig, f'scenario {name}')
+    common = {k: v for k, v in controller.items() if k not in _OF_STRUTS}
     own = {'struts': len(angles), 'strut_angles': angles}
     return CentralizedParameters.from_mapping(
-        {**common, **scenario.centralized, **shared, **own}, where
+        {**common, **centralized, **shared, **own}, f'scenario {name}: centralized'
     )

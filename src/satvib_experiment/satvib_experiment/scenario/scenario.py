@@ -178,7 +178,10 @@ class Scenario(Schema):
         from satvib_plant_sim.rig.any_rig import strut_count
 
         if self.scheme == 'centralized':
-            return centralized_parameters(self, self._shared(rate, lockstep))
+            return centralized_parameters(
+                self.name, self.load_rig(), self.controller, self.centralized,
+                self._shared(rate, lockstep),
+            )  # fmt: skip
         own = {'strut': strut, 'struts': struts or strut_count(self.load_rig())}
         return ControllerParameters.from_mapping(
             self.controller | self._shared(rate, lockstep) | own,

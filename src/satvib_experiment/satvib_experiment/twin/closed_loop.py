@@ -19,13 +19,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-from satvib_common.phases import Phase
 from satvib_control.core.centralized import make_core
 from satvib_ident.identifier import IdentifierCore
 from satvib_plant_sim.plant.failing_plant import FailingPlant, make_failing_plant
@@ -33,27 +31,16 @@ from satvib_plant_sim.rig.any_rig import AnyRig, strut_count
 
 from satvib_experiment.recording.recording import Recording
 from satvib_experiment.scenario.scenario import Scenario
-from satvib_experiment.twin.step_recorder import LoopRecorder
+from satvib_experiment.twin.step import LoopStep
+from satvib_experiment.twin.step_recorder import StepRecorder
 
-Progress = Callable[['LoopStep'], None]
+Progress = Callable[[LoopStep], None]
 
 # what the scenarios of a batch have in common
 BATCH_SHARES = (
     'identifier', 'controller', 'scheme', 'centralized', 'model_period', 'phases', 'duration',
     'command_timeout',
 )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class LoopStep:
-    """One sample of the loop; arrays are (*shape, struts), as the cores give them."""
-
-    sequence: int
-    phase: Phase
-    sample: Any
-    identification: Any
-    output: Any
-    truth: Any
 
 
 class ClosedLoop:
@@ -202,9 +189,9 @@ def simulate_open_loop(recording: Recording) -> Recording:
 
 
 def _recorded(loop: ClosedLoop, progress: Progress | None, truth: bool = True) -> list[Recording]:
-    recorder = LoopRecorder(loop, truth)
+    recorder = StepRecorder(loop.plan, loop.shape, loop.plant.dt, truth)
     for step in loop.steps():
         recorder.add(step)
         if progress is not None:
             progress(step)
-    return recorder.recordings()
+    return recorder.recordings(loop.scenarios, loop.rigs)

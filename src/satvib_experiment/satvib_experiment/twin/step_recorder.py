@@ -5,18 +5,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from satvib_common.phases import PhasePlan
 from satvib_control.laws.base import STATE_FIELDS
 from satvib_control.laws.reasons import text_of
 from satvib_plant_sim.plant.failures import CONTROLLER, Failure
+from satvib_plant_sim.rig.any_rig import AnyRig
 
 from satvib_experiment.recording.recording import Group, Recording
-
-if TYPE_CHECKING:
-    from satvib_experiment.twin.closed_loop import ClosedLoop, LoopStep
+from satvib_experiment.scenario.scenario import Scenario
+from satvib_experiment.twin.step import LoopStep
 
 SAMPLE = ('upper', 'lower')
 VOLTAGE = ('voltage', 'saturated', 'fault')
@@ -49,17 +50,20 @@ def _plain(name: str, array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-class LoopRecorder:
+class StepRecorder:
     """Arrays of (samples, *shape, struts, ...), filled sample by sample.
 
     Args:
-        loop: the loop to be recorded.
+        plan: phases by sample.
+        shape: () of one scenario, (trials,) of a batch.
+        dt: s.
         truth: keep the fine samples of the truth.
     """
 
-    def __init__(self, loop: ClosedLoop, truth: bool = True) -> None:
-        self.loop = loop
-        self.truth = truth
+    def __init__(
+        self, plan: PhasePlan, shape: tuple[int, ...], dt: float, truth: bool = True
+    ) -> None:
+        self.plan, self.shape, self.dt, self.truth = plan, shape, dt, truth
         self._arrays: dict[tuple[str, str], NDArray[Any]] = {}
 
     def add(self, step: LoopStep) -> None:
@@ -82,24 +86,24 @@ class LoopRecorder:
             value = np.asarray(getattr(values, name))
             array = self._arrays.get((group, name))
             if array is None:
-                array = np.zeros((self.loop.plan.end, *value.shape), dtype=value.dtype)
+                array = np.zeros((self.plan.end, *value.shape), dtype=value.dtype)
                 self._arrays[group, name] = array
             array[k] = value
 
-    def recordings(self) -> list[Recording]:
-        """Give one recording per trial."""
-        loop = self.loop
-        return [self._recording(trial) for trial in range(len(loop.scenarios))]
+    def recordings(self, scenarios: Sequence[Scenario], rigs: Sequence[AnyRig]) -> list[Recording]:
+        """Give one recording per trial, of its scenario and rig."""
+        return [
+            self._recording(trial, scenario, rig)
+            for trial, (scenario, rig) in enumerate(zip(scenarios, rigs, strict=True))
+        ]
 
-    def _recording(self, trial: int) -> Recording:
-        loop = self.loop
+    def _recording(self, trial: int, scenario: Scenario, rig: AnyRig) -> Recording:
         groups: dict[str, Group] = {}
         for (group, name), array in self._arrays.items():
-            picked = array[:, trial] if loop.shape else array
+            picked = array[:, trial] if self.shape else array
             groups.setdefault(group, {})[_NAMES.get(name, name)] = _plain(name, picked)
-        end, struts = loop.plan.end, loop.plant.struts
-        dt = loop.plant.dt
-        scenario = loop.scenarios[trial]
+        end, dt = self.plan.end, self.dt
+        struts = groups['acceleration']['upper'].shape[1]
         for group, fields in groups.items():
             fields['present'] = np.ones((end, struts), dtype=bool)
             if group in SPOKEN:
@@ -107,12 +111,12 @@ class LoopRecorder:
         return Recording(
             struts=tuple(f'strut_{i + 1}' for i in range(struts)),
             sample_period=dt,
-            plan=loop.plan,
+            plan=self.plan,
             sequence=np.arange(end, dtype=np.int64),
             stamp=np.array([round(k * dt * 1e9) for k in range(end)], dtype=np.int64),
             groups=groups,
             scenario=scenario,
-            rig=loop.rigs[trial],
+            rig=rig,
             seed=scenario.seed,
             source=f'simulation of {scenario.name}',
         )

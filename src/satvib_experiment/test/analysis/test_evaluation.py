@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
-from satvib_experiment.analysis import analyse, evaluate
+from satvib_experiment.analysis.analysis import analyse
+from satvib_experiment.analysis.evaluation import evaluate
 from satvib_experiment.analysis.notes import notes_for
 from satvib_experiment.analysis.tones import disturbance_onset, disturbance_tones
 from satvib_experiment.analysis.windows import find_windows

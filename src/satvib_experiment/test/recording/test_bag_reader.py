@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_experiment.analysis import evaluate
+from satvib_experiment.analysis.evaluation import evaluate
 from satvib_experiment.analysis.notes import notes_for
 from satvib_experiment.recording.bag_reader import read_recording
 from satvib_experiment.recording.load import load_recording

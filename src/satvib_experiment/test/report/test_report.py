@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_experiment.analysis import analyse
+from satvib_experiment.analysis.analysis import analyse
 from satvib_experiment.analysis.evaluation import KINDS
 from satvib_experiment.recording.bag_reader import read_recording
-from satvib_experiment.report import write_report
+from satvib_experiment.report.build import write_report
 from satvib_experiment.report.figures.registry import FIGURES
 
 

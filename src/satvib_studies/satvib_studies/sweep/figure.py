@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""A study's figure: measured and true attenuation along one of its axes."""
+"""A sweep's figure: measured and true attenuation along one of its axes."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,13 +8,13 @@ from typing import Any
 
 from satvib_experiment.report.style import MEASURED, TRUE, figure, legend
 
-from satvib_studies.sweep.sweep import StudyFigure
+from satvib_studies.sweep.sweep import SweepFigure
 
 _KINDS = (('rms', 'RMS dB'), ('tone', 'tone dB'))
 _STYLES = (('-', 'o'), ('--', 's'), (':', '^'), ('-.', 'D'))
 
 
-def draw(rows: Sequence[dict[str, Any]], what: StudyFigure, path: Path) -> bool:
+def draw(rows: Sequence[dict[str, Any]], what: SweepFigure, path: Path) -> bool:
     """Draw the worst strut's attenuation over `what.x`; False when no row is left to draw.
 
     One column of axes per label of `what.panel`, one line style per label of `what.line`; only rows with the labels

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""A study: scenarios varied along named axes, every combination a run of the offline twin.
+"""A sweep: scenarios varied along named axes, every combination a run of the offline twin.
 
     base: {keys of a scenario that all cells share}
     axes:
@@ -39,8 +39,8 @@ KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')
 
 
 @dataclass(frozen=True, kw_only=True)
-class StudyFigure(Schema):
-    """What the figure of a study shows, by names of its axes."""
+class SweepFigure(Schema):
+    """What the figure of a sweep shows, by names of its axes."""
 
     x: str = param(description='axis along which attenuation is drawn')
     panel: str = param(description='axis with a panel for every label')
@@ -49,7 +49,7 @@ class StudyFigure(Schema):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StudySummary(Schema):
+class SweepSummary(Schema):
     """A short table: one axis down, one across, all others fixed."""
 
     row: str = param(description='axis with a line for every label')
@@ -58,7 +58,7 @@ class StudySummary(Schema):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StudyException(Schema):
+class SweepException(Schema):
     """Keys of the cells that have all of some labels."""
 
     labels: dict[str, Any] = param(description='by axis: the label')
@@ -66,16 +66,16 @@ class StudyException(Schema):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Study(Schema):
+class Sweep(Schema):
     """What is varied, over a base that all cells share."""
 
-    name: str = param(description='name of the study')
+    name: str = param(description='name of the sweep')
     description: str = param('', 'what it shows')
     base: dict[str, Any] = param(description='keys of a scenario that all cells share')
     axes: dict[str, Any] = param(description='by name of the axis: by label: keys of a scenario')
-    exceptions: tuple[StudyException, ...] = param((), 'keys of cells with several labels at once')
-    figure: StudyFigure | None = param(None, 'what is drawn; none: nothing')
-    summary: StudySummary | None = param(None, 'the short table for a page; none: nothing')
+    exceptions: tuple[SweepException, ...] = param((), 'keys of cells with several labels at once')
+    figure: SweepFigure | None = param(None, 'what is drawn; none: nothing')
+    summary: SweepSummary | None = param(None, 'the short table for a page; none: nothing')
 
     def check(self) -> None:
         """Check the shape of the axes; their keys are checked cell by cell."""
@@ -124,7 +124,7 @@ class Study(Schema):
         for exception in self.exceptions:
             if all(named[axis] == label for axis, label in exception.labels.items()):
                 data = merged(data, exception.keys)
-        where = f'study {self.name}: {", ".join(labels)}'
+        where = f'sweep {self.name}: {", ".join(labels)}'
         scenario = Scenario.from_mapping(data, where)
         check_scenario(scenario, where)
         return Cell(named, scenario)
@@ -149,28 +149,28 @@ def merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
     return result
 
 
-def study_names() -> list[str]:
-    """Names of the studies that come with the package."""
+def sweep_names() -> list[str]:
+    """Names of the sweeps that come with the package."""
     return names_in(FOLDER)
 
 
-def load_study(name_or_path: str | Path, overrides: list[str] | None = None) -> Study:
-    """Load a study.
+def load_sweep(name_or_path: str | Path, overrides: list[str] | None = None) -> Sweep:
+    """Load a sweep.
 
     Args:
-        name_or_path: a name of `study_names()`, or the path of a YAML file.
+        name_or_path: a name of `sweep_names()`, or the path of a YAML file.
         overrides: 'key=value' with dots, as in base.seed=3.
 
     Raises:
-        SatvibError: no such study, or a wrong key in it.
+        SatvibError: no such sweep, or a wrong key in it.
     """
-    path = settings_path('study', name_or_path, FOLDER)
-    return Study.from_mapping(load_settings(path, overrides or []), str(path))
+    path = settings_path('sweep', name_or_path, FOLDER)
+    return Sweep.from_mapping(load_settings(path, overrides or []), str(path))
 
 
 def run_cell(cell: Cell) -> dict[str, Any]:
     """Run one cell and give its row: per strut in dB (NaN is None), the worst strut, and what the laws said."""
-    from satvib_experiment.analysis import analyse
+    from satvib_experiment.analysis.analysis import analyse
     from satvib_experiment.analysis.levels import decibel
     from satvib_experiment.twin.closed_loop import simulate
 
@@ -208,7 +208,7 @@ def _worst(values: Any) -> float | None:
     return float(np.max(values)) if np.all(np.isfinite(values)) else None
 
 
-def run_study(cells: list[Cell], jobs: int | None = None) -> Iterator[tuple[int, dict[str, Any]]]:
+def run_sweep(cells: list[Cell], jobs: int | None = None) -> Iterator[tuple[int, dict[str, Any]]]:
     """Run cells on several processes and give (index, row) as they are done; the rows do not depend on `jobs`.
 
     Raises:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The rows of a study as Markdown tables, and how they come into a page.
+"""The rows of a sweep as Markdown tables, and how they come into a page.
 
 A page marks the place of a table by two comments, between which everything is written anew:
 
@@ -15,7 +15,7 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 
-from satvib_studies.sweep.sweep import StudySummary
+from satvib_studies.sweep.sweep import SweepSummary
 
 COLUMNS = (
     ('measured_rms', 'RMS, measured dB'),
@@ -55,7 +55,7 @@ def markdown(rows: Sequence[dict[str, Any]]) -> str:
     return '\n\n'.join(parts) + '\n'
 
 
-def summary(rows: Sequence[dict[str, Any]], what: StudySummary) -> str:
+def summary(rows: Sequence[dict[str, Any]], what: SweepSummary) -> str:
     """Give a short table: tone as measured / tone in truth / RMS in truth, dB, the worst strut.
 
     0 V stands where the law refused to act.

@@ -30,6 +30,8 @@ from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 
+from satvib_studies.tuning.swarm_checkpoint import restore, save
+
 Cost = Callable[[Array], Array]
 
 STREAM = 71
@@ -239,8 +241,6 @@ class ParticleSwarm:
         Raises:
             SatvibError: the checkpoint is broken or of another search, or cannot be written.
         """
-        from satvib_studies.tuning.swarm_checkpoint import restore, save
-
         if checkpoint is not None and checkpoint.exists():
             restore(self, checkpoint)
         while not self.ended():

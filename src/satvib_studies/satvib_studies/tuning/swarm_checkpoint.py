@@ -4,15 +4,13 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 from zipfile import BadZipFile
 
 import numpy as np
+from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.whole_file import write_whole
-
-if TYPE_CHECKING:
-    from satvib_studies.tuning.particle_swarm import ParticleSwarm
 
 _FORMAT = 'satvib swarm 1'
 _ARRAYS = ('position', 'velocity', 'best_position', 'best_cost', 'position_found')
@@ -20,13 +18,22 @@ _NUMBERS = ('cost_found', 'steps', 'evaluations', 'still', 'rounds', 'mark', 'ro
 _MAY_DIFFER = {'budget', 'patience', 'target'}  # when to stop may be changed on the way
 
 
-def _search(swarm: 'ParticleSwarm') -> dict[str, object]:
+class Swarm(Protocol):
+    """What is kept of a swarm: besides these the arrays and numbers named above."""
+
+    settings: Any
+    lower: Array
+    upper: Array
+    history: list[tuple[float, float]]
+
+
+def _search(swarm: Swarm) -> dict[str, object]:
     """What two runs must share to be one search."""
     settings = {k: v for k, v in swarm.settings.to_mapping().items() if k not in _MAY_DIFFER}
     return settings | {'lower': swarm.lower.tolist(), 'upper': swarm.upper.tolist()}
 
 
-def save(swarm: 'ParticleSwarm', path: Path) -> None:
+def save(swarm: Swarm, path: Path) -> None:
     """Write the state of a swarm; what was there is replaced.
 
     Raises:
@@ -39,7 +46,7 @@ def save(swarm: 'ParticleSwarm', path: Path) -> None:
     write_whole(path, lambda sink: np.savez(sink, allow_pickle=False, **arrays))
 
 
-def restore(swarm: 'ParticleSwarm', path: Path) -> None:
+def restore(swarm: Swarm, path: Path) -> None:
     """Bring a swarm into the state of a file.
 
     Raises:

@@ -7,7 +7,7 @@ import shlex
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_experiment.analysis import evaluate
+from satvib_experiment.analysis.evaluation import evaluate
 from satvib_experiment.recording.recording import differences
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import ClosedLoop, simulate, simulate_batch

@@ -7,16 +7,16 @@ import math
 import pytest
 import yaml
 from satvib_common.errors import SatvibError
-from satvib_experiment.analysis import analyse
+from satvib_experiment.analysis.analysis import analyse
 from satvib_experiment.twin.closed_loop import simulate
 from satvib_studies.sweep.figure import draw, shown
 from satvib_studies.sweep.sweep import (
     FOLDER,
-    StudyFigure,
-    load_study,
+    SweepFigure,
+    load_sweep,
     merged,
-    run_study,
-    study_names,
+    run_sweep,
+    sweep_names,
 )
 from satvib_studies.sweep.tables import COLUMNS, fill, markdown, summary
 
@@ -52,9 +52,9 @@ def small(tmp_path):
 
 def test_rows_are_those_of_single_runs_on_any_number_of_processes(small):
     """Truth: each cell simulated and analysed by hand; no tolerance."""
-    cells = load_study(small).cells()
-    alone = dict(run_study(cells, jobs=1))
-    assert dict(run_study(cells, jobs=2)) == alone
+    cells = load_sweep(small).cells()
+    alone = dict(run_sweep(cells, jobs=1))
+    assert dict(run_sweep(cells, jobs=2)) == alone
     for index, cell in enumerate(cells):
         e, _ = analyse(simulate(cell.scenario))
         assert alone[index]['struts']['true_rms'] == list(e.attenuation_open_loop['true_rms'])
@@ -64,7 +64,7 @@ def test_rows_are_those_of_single_runs_on_any_number_of_processes(small):
 
 def test_the_table_shows_every_cell(small):
     """Truth: by hand: one table per rig, one line per cell, the worst strut's figures."""
-    rows = [row for _, row in sorted(run_study(load_study(small).cells(), jobs=1))]
+    rows = [row for _, row in sorted(run_sweep(load_sweep(small).cells(), jobs=1))]
     text = markdown(rows)
     lines = [line for line in text.splitlines() if line.startswith('| 10 Hz')]
     assert text.startswith('### stiff\n')
@@ -75,18 +75,18 @@ def test_the_table_shows_every_cell(small):
 
 def test_overrides_reach_the_base(small):
     """Truth: the values given."""
-    study = load_study(small, ['base.seed=9', 'axes.law.velocity.controller.velocity_gain=20'])
-    cell = study.cells()[1]
+    sweep = load_sweep(small, ['base.seed=9', 'axes.law.velocity.controller.velocity_gain=20'])
+    cell = sweep.cells()[1]
     assert cell.scenario.seed == 9
     assert cell.scenario.controller['velocity_gain'] == 20
 
 
-@pytest.mark.parametrize('name', study_names())
-def test_every_study_of_the_package_is_made_of_scenarios(name):
+@pytest.mark.parametrize('name', sweep_names())
+def test_every_sweep_of_the_package_is_made_of_scenarios(name):
     """Truth: the product of its axes."""
-    study = load_study(name)
+    sweep = load_sweep(name)
     axes = yaml.safe_load((FOLDER / f'{name}.yaml').read_text())['axes']
-    assert len(study.cells()) == math.prod(len(axis) for axis in axes.values())
+    assert len(sweep.cells()) == math.prod(len(axis) for axis in axes.values())
 
 
 @pytest.mark.parametrize(
@@ -102,14 +102,14 @@ def test_every_study_of_the_package_is_made_of_scenarios(name):
         ('base.durration=3', 'durration: no such key; did you mean duration?'),
     ],
 )
-def test_a_wrong_study_is_named(small, override, told):
+def test_a_wrong_sweep_is_named(small, override, told):
     """Truth: by hand; one line."""
     with pytest.raises(SatvibError) as caught:
-        load_study(small, [override]).cells()
+        load_sweep(small, [override]).cells()
     assert told in str(caught.value)
     assert '\n' not in str(caught.value)
     with pytest.raises(SatvibError, match='did you mean laws'):
-        load_study('lawz')
+        load_sweep('lawz')
 
 
 def test_later_axes_win_and_nested_keys_are_merged():
@@ -121,7 +121,7 @@ def test_later_axes_win_and_nested_keys_are_merged():
 
 def test_the_figure_leaves_out_laws_that_refused(tmp_path):
     """Truth: by hand: a refused cell has no point, and a figure without any row is not drawn."""
-    what = StudyFigure.from_mapping({'x': 'a', 'panel': 'b', 'line': 'c', 'fixed': {'d': 'k'}})
+    what = SweepFigure.from_mapping({'x': 'a', 'panel': 'b', 'line': 'c', 'fixed': {'d': 'k'}})
     kinds = ('measured_rms', 'true_rms', 'measured_tone', 'true_tone')
     row = {
         'labels': {'a': '1', 'b': 'x', 'c': 'y', 'd': 'k'},
@@ -140,24 +140,24 @@ def test_the_figure_leaves_out_laws_that_refused(tmp_path):
 def test_a_figure_of_an_axis_that_is_not_there_is_named(small):
     """Truth: by hand."""
     with pytest.raises(SatvibError, match="no axis 'rug'; did you mean rig"):
-        load_study(small, ['figure={x: rug, panel: law, line: law}'])
+        load_sweep(small, ['figure={x: rug, panel: law, line: law}'])
 
 
 def test_exceptions_are_for_cells_with_all_of_their_labels(small):
     """Truth: by hand: one of two cells has the seed of the exception; what is not there is named."""
     exception = 'exceptions=[{labels: {rig: stiff, law: velocity}, keys: {seed: 8}}]'
-    assert [cell.scenario.seed for cell in load_study(small, [exception]).cells()] == [3, 8]
+    assert [cell.scenario.seed for cell in load_sweep(small, [exception]).cells()] == [3, 8]
     with pytest.raises(SatvibError, match="exceptions: no axis 'lav'; did you mean law"):
-        load_study(small, ['exceptions=[{labels: {lav: velocity}, keys: {}}]'])
+        load_sweep(small, ['exceptions=[{labels: {lav: velocity}, keys: {}}]'])
     with pytest.raises(SatvibError, match="axis law has no label 'velocty'; did you mean velocity"):
-        load_study(small, ['exceptions=[{labels: {law: velocty}, keys: {}}]'])
+        load_sweep(small, ['exceptions=[{labels: {law: velocty}, keys: {}}]'])
 
 
 def test_a_page_gets_its_tables_between_its_marks(small, tmp_path):
     """Truth: by hand: what stood between the marks is gone, the rest stays; a page without marks is left alone."""
-    study = load_study(small, ['summary={row: law, column: rig, fixed: {disturbance: 10 Hz}}'])
-    rows = [row for _, row in sorted(run_study(study.cells(), jobs=1))]
-    short = summary(rows, study.summary)
+    sweep = load_sweep(small, ['summary={row: law, column: rig, fixed: {disturbance: 10 Hz}}'])
+    rows = [row for _, row in sorted(run_sweep(sweep.cells(), jobs=1))]
+    short = summary(rows, sweep.summary)
     assert short.splitlines()[0] == '| law | stiff |'
     assert short.splitlines()[2] == '| none | 0 V |'
     figures = rows[1]['worst']

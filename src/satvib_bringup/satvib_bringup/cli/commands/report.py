@@ -25,8 +25,7 @@ def report(
 ) -> None:
     """Write report.html, result.json and figures/ of a recorded run, and print its table."""
     from satvib_experiment.recording.load import load_recording
-    from satvib_experiment.report import write_report
-    from satvib_experiment.report.build import refuse_existing
+    from satvib_experiment.report.build import refuse_existing, write_report
 
     from satvib_bringup.cli.console import make_console, show_result
 

@@ -47,7 +47,7 @@ def run(
 def _run(name: str, settings: list[str] | None, folder: Path | None, realtime: bool) -> None:
     from satvib_experiment.recording.bag_reader import read_recording
     from satvib_experiment.recording.run_folder import free_run_folder, write_scenario
-    from satvib_experiment.report import write_report
+    from satvib_experiment.report.build import write_report
     from satvib_experiment.scenario.scenario import load_scenario
 
     from satvib_bringup.cli.console import ProgressView, make_console, show_result

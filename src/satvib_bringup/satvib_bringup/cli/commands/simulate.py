@@ -15,7 +15,7 @@ def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder =
         make_run_folder,
         write_scenario,
     )
-    from satvib_experiment.report import write_report
+    from satvib_experiment.report.build import write_report
     from satvib_experiment.scenario.scenario import load_scenario
     from satvib_experiment.twin.closed_loop import simulate as run_twin
 

@@ -11,8 +11,8 @@ from satvib_bringup.cli.options import Folder, Settings
 
 
 def table(
-    study: Annotated[
-        str, typer.Argument(help='Name of a study, or the path of its YAML file.', metavar='STUDY')
+    sweep: Annotated[
+        str, typer.Argument(help='Name of a sweep, or the path of its YAML file.', metavar='SWEEP')
     ] = 'laws',
     only: Annotated[
         list[str] | None,
@@ -42,12 +42,12 @@ def table(
     from satvib_common.errors import SatvibError
     from satvib_experiment.recording.run_folder import free_run_folder, make_run_folder
     from satvib_studies.sweep.figure import draw
-    from satvib_studies.sweep.sweep import load_study, run_study
+    from satvib_studies.sweep.sweep import load_sweep, run_sweep
     from satvib_studies.sweep.tables import fill, markdown, summary
 
     from satvib_bringup.cli.console import make_console
 
-    loaded = load_study(study, settings)
+    loaded = load_sweep(sweep, settings)
     cells = loaded.cells()
     for name in only or []:
         cells = [c for c in cells if name in c.labels.values()]
@@ -58,7 +58,7 @@ def table(
     console = make_console()
     rows = dict(
         track(
-            run_study(cells, jobs),
+            run_sweep(cells, jobs),
             description=f'table {loaded.name}',
             total=len(cells),
             console=console,

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array
 
-from satvib_experiment.analysis.evaluation import fine
-from satvib_experiment.report.context import Context, without_bias
+from satvib_experiment.recording.signals import fine, without_bias
+from satvib_experiment.report.context import Context
 from satvib_experiment.report.style import (
     MEASURED,
     OPEN,

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array
 
-from satvib_experiment.analysis.evaluation import fine
 from satvib_experiment.analysis.levels import spectrum
-from satvib_experiment.report.context import Context, without_bias
+from satvib_experiment.recording.signals import fine, without_bias
+from satvib_experiment.report.context import Context
 from satvib_experiment.report.style import FAINT, MEASURED, OPEN, TRUE, figure, legend, strut_label
 
 CAPTION = (

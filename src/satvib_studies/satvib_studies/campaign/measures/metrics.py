@@ -29,7 +29,8 @@ from satvib_studies.campaign.measures.metrics_kernel import (
 )
 
 if TYPE_CHECKING:
-    from satvib_experiment.twin.closed_loop import ClosedLoop, LoopStep
+    from satvib_experiment.twin.closed_loop import ClosedLoop
+    from satvib_experiment.twin.step import LoopStep
 
 
 _SOURCES = ('true', 'measured')
