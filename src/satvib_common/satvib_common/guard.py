@@ -24,6 +24,12 @@ class Guarded:
     fault: Mask
 
 
+def towards_zero(voltage: Array, step: Array | float) -> Array:
+    """Move voltages (shape, V) by a step (shape or one for all, V, at least 0) towards 0 V, and not beyond it."""
+    # + 0.0 turns a negative zero into zero
+    return np.copysign(np.maximum(np.abs(voltage) - step, 0.0), voltage) + 0.0
+
+
 class VoltageGuard:
     """Finite, |V| <= limit, |dV| <= slew dt; a demand that is not finite latches 0 V until `reset`.
 

@@ -28,6 +28,7 @@ from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.core.divergence_watch import DivergenceWatch
 from satvib_control.core.output import ControllerOutput
+from satvib_control.core.trusted_model import TrustedModel
 from satvib_control.laws.base import LawInput
 from satvib_control.laws.reasons import reason, reasons
 from satvib_control.laws.registry import make_law
@@ -85,8 +86,7 @@ class ControllerCore:
         self._fault_reason = np.zeros(shape, dtype=np.int64)
         self._model_reason = np.zeros(shape, dtype=np.int64)
         self._waiting: tuple[IirModel, Mask, Array | None] | None = None
-        self._taken: IirModel | None = None
-        self._has_taken = np.zeros(shape, dtype=bool)
+        self._given = TrustedModel(shape)
         self._stop = np.zeros(shape, dtype=bool)
         self._checked_rest = False
         self._last: ControllerOutput | None = None
@@ -118,33 +118,9 @@ class ControllerCore:
         self._model_reason = np.broadcast_to(code, self.shape)
         if covariance is not None:
             covariance = np.broadcast_to(covariance, (*self.shape, *covariance.shape[-2:]))
-        fresh = np.ones(self.shape, dtype=bool)
-        if self._taken is not None and self._alike(model):
-            same = np.all(self._taken.a == model.a, axis=-1)
-            same = same & np.all(self._taken.b == model.b, axis=-1)
-            fresh = ~(same & self._has_taken)
-        use = np.asarray(trusted & sound & fresh)
+        use = self._given.news(model, np.asarray(trusted & sound))
         # a design costs, and most hand-overs after IDENTIFY bring nothing new
         self._waiting = (model, use, covariance) if use.any() else None
-
-    def _alike(self, model: IirModel) -> bool:
-        """Whether a model has the orders and the delay of those that the law has."""
-        taken = self._taken
-        return (
-            taken is not None
-            and taken.theta.shape == model.theta.shape
-            and taken.a.shape == model.a.shape
-            and taken.delay == model.delay
-        )
-
-    def _keep(self, model: IirModel, use: Mask) -> None:
-        """Remember which models the law has."""
-        if self._taken is None or not self._alike(model):
-            self._taken, self._has_taken = model, use
-            return
-        pick = use[..., None]
-        a, b = np.where(pick, model.a, self._taken.a), np.where(pick, model.b, self._taken.b)
-        self._taken, self._has_taken = IirModel(a, b, model.delay, model.dt), self._has_taken | use
 
     def apply(self, parameters: ControllerParameters) -> None:
         """Take new values of the parameters that are not read-only."""
@@ -196,7 +172,7 @@ class ControllerCore:
             model, use, covariance = self._waiting
             self.law.set_model(model, use, covariance)
             self.watch.set_model(model, use)
-            self._keep(model, use)
+            self._given.take(model, use)
             self._waiting = None
         acting = phase in {Phase.ADAPT, Phase.CONTROL}
         # in ADAPT the law shakes the strut on purpose

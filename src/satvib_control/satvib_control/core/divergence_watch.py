@@ -21,11 +21,10 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
-from satvib_common.signals.iir_filter import IirFilter
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.core.parameters import CoreParameters
-from satvib_control.model_analysis.transfer import model_polynomials
+from satvib_control.core.trusted_model import TrustedModel
 
 STRIKES = 3.0
 # places in the memory
@@ -127,22 +126,12 @@ class DivergenceWatch:
         self._settings = np.array([window, parameters.watch_ratio, parameters.watch_floor])
         self._memory = np.zeros((*shape, SIZE))
         self._memory[..., SHARE] = 1.0
-        self._model = IirFilter([0.0, 0.0], [1.0, 0.0], shape)
-        self._known = np.zeros(shape, dtype=bool)
+        self._model = TrustedModel(shape)
         self.busy = False  # some law is taken off or has less than its own voltage
 
     def set_model(self, model: IirModel, trusted: Mask) -> None:
         """Take the model where it is trusted."""
-        b, a = model_polynomials(model)
-        if b.shape[-1] != self._model.b.shape[-1]:
-            self._model = IirFilter(
-                np.zeros_like(b), np.eye(b.shape[-1])[0] + np.zeros_like(b), self.shape
-            )
-        pick = trusted[..., None]
-        self._model.set_coefficients(
-            np.where(pick, b, self._model.b), np.where(pick, a, self._model.a)
-        )
-        self._known = self._known | trusted
+        self._model.take(model, trusted)
 
     def step(self, y: Array, applied: Array, saturated: Mask, acting: bool) -> tuple[Array, Array]:
         """Judge a sample.
@@ -156,8 +145,7 @@ class DivergenceWatch:
         Returns:
             (shape) share of the law's voltage to let through; (shape) 0, 1 guilty now, 2 failed.
         """
-        self._model.step(applied)
-        passive = np.where(self._known, y - self._model.state[..., 0], np.nan)
+        passive = np.where(self._model.known, y - self._model.effect(applied), np.nan)
         scale, verdict = _watch(
             y, passive, applied / self.limit, saturated.astype(float), float(acting),
             self._settings, self._memory,

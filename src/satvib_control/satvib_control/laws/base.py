@@ -108,8 +108,8 @@ class Law(Protocol):
     """
 
     needs_model: bool
-    cancels: bool
     closes_loop: bool
+    cancels: bool
     state: LawState
 
     def __init__(self, parameters: Any, dt: float, shape: tuple[int, ...] = ()) -> None:
@@ -145,8 +145,8 @@ class BasicLaw(Generic[P]):
     """
 
     needs_model = False
-    cancels = False
     closes_loop = True
+    cancels = False
 
     def __init__(self, parameters: P, dt: float, shape: tuple[int, ...] = ()) -> None:
         self.parameters, self.dt, self.shape = parameters, dt, shape

@@ -23,12 +23,11 @@ each gets the square root of it; feedforward closes no loop and costs nothing.
 import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.phases import Phase
-from satvib_common.signals.iir_filter import IirFilter
 from satvib_ident.models.iir_model import IirModel
 
+from satvib_control.core.trusted_model import TrustedModel
 from satvib_control.laws.base import STATE_FIELDS, BasicLaw, Law, LawInput
 from satvib_control.laws.parameters import LawParameters
-from satvib_control.model_analysis.transfer import model_polynomials
 
 
 class LawSum(BasicLaw[LawParameters]):
@@ -53,27 +52,17 @@ class LawSum(BasicLaw[LawParameters]):
         self._budget = parameters.modulus_margin ** (1.0 / max(loops, 1))
         self.parts: list[Law] = [law(self._shared(parameters), dt, shape) for law in laws]
         self.needs_model = any(law.needs_model for law in self.parts)
-        self.cancels = all(law.cancels for law in self.parts)
         self.closes_loop = loops > 0
+        self.cancels = all(law.cancels for law in self.parts)
         self._demands = [np.zeros(shape) for _ in self.parts]
-        self._model = IirFilter([0.0, 0.0], [1.0, 0.0], shape)
-        self._known = np.zeros(shape, dtype=bool)
+        self._model = TrustedModel(shape)
 
     def _shared(self, parameters: LawParameters) -> LawParameters:
         return parameters.replace(modulus_margin=self._budget)
 
     def set_model(self, model: IirModel, trusted: Mask, covariance: Array | None = None) -> None:
         """Hand the model to every part, and take it to tell the parts' effects apart."""
-        b, a = model_polynomials(model)
-        if b.shape[-1] != self._model.b.shape[-1]:
-            self._model = IirFilter(
-                np.zeros_like(b), np.broadcast_to(np.eye(b.shape[-1])[0], b.shape), self.shape
-            )
-        pick = trusted[..., None]
-        self._model.set_coefficients(
-            np.where(pick, b, self._model.b), np.where(pick, a, self._model.a)
-        )
-        self._known = self._known | trusted
+        self._model.take(model, trusted)
         for law in self.parts:
             law.set_model(model, trusted, covariance)
 
@@ -96,9 +85,7 @@ class LawSum(BasicLaw[LawParameters]):
         for law, share in zip(self.parts, shares, strict=True):
             if not law.cancels:
                 feedback = feedback + share
-        self._model.step(feedback)
-        # the model's delay is at least 1, so its state already holds what the next sample sees
-        without = np.where(x.valid, x.upper - self._model.state[..., 0], 0.0)
+        without = np.where(x.valid, x.upper - self._model.effect(feedback), 0.0)
         total = np.zeros(self.shape)
         for i, law in enumerate(self.parts):
             upper = without if law.cancels else x.upper

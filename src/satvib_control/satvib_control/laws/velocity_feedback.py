@@ -43,7 +43,6 @@ class VelocityFeedback(BasicLaw[VelocityParameters]):
     ) -> None:
         super().__init__(parameters, dt, shape)
         self._integrator = LeakyIntegrator(parameters.velocity_corner, dt, shape)
-        self._known = np.zeros(shape, dtype=bool)
         unproven = min(parameters.velocity_gain, parameters.velocity_fallback_gain)
         self._gain = np.full(shape, unproven * parameters.velocity_polarity)
         self.state.ki = self._gain
@@ -64,7 +63,6 @@ class VelocityFeedback(BasicLaw[VelocityParameters]):
         gain = bounds.project(wanted)
         state = self.state
         self._gain = np.where(trusted, gain, self._gain)
-        self._known = self._known | trusted
         state.ki = self._gain
         state.ki_min = np.where(trusted, bounds.minimum, state.ki_min)
         state.ki_max = np.where(trusted, bounds.maximum, state.ki_max)

@@ -13,6 +13,7 @@ import math
 
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.guard import towards_zero
 
 _NEVER = -math.inf
 
@@ -72,8 +73,7 @@ class Commands:
         silent = (now - self._heard > self.timeout) & (self._heard > _NEVER)
         for strut in np.flatnonzero(silent & ~self.fault):
             self.latch(int(strut))
-        towards_zero = np.maximum(np.abs(self._voltage) - self._ramp, 0.0)
-        ramped = np.copysign(towards_zero, self._voltage) + 0.0
+        ramped = towards_zero(self._voltage, self._ramp)
         self._voltage = np.where(self.fault, ramped, self._wanted)
         self._wanted = np.where(self.fault, self._voltage, self._wanted)
         arrival, self._arrival = self._arrival, np.zeros_like(self._arrival)

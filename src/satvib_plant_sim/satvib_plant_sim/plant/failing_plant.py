@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
+from satvib_common.guard import towards_zero
 
 from satvib_plant_sim.disturbance import Disturbance, make_disturbance
 from satvib_plant_sim.plant.any_plant import AnyPlant, make_plant
@@ -90,9 +91,7 @@ class FailingPlant:
         if self._dead.any():
             asked = np.asarray(voltage, dtype=float).reshape(self._dead.shape)
             self._silent = np.where(self._dead, self._silent + 1.0, 0.0)
-            step = np.abs(self._level) / self._timeout
-            towards_zero = np.maximum(np.abs(self._held) - step, 0.0)
-            ramped = np.copysign(towards_zero, self._held) + 0.0
+            ramped = towards_zero(self._held, np.abs(self._level) / self._timeout)
             over = self._dead & (self._silent >= self._timeout)
             self._held = np.where(over, ramped, np.where(self._dead, self._held, asked))
             self._level = np.where(self._dead, self._level, asked)

@@ -66,8 +66,8 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
     """
 
     needs_model = True
-    cancels = True
     closes_loop = False
+    cancels = True
 
     def __init__(
         self, parameters: FeedforwardParameters, dt: float, shape: tuple[int, ...] = ()

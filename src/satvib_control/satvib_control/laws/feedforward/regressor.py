@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from satvib_common.arrays import Array, Mask
 
+from satvib_control.core.trusted_model import lengthen, select
 from satvib_control.laws.feedforward.reaction import FREQUENCIES
 from satvib_control.laws.feedforward.regressor_kernel import (
     Contents,
@@ -138,24 +139,19 @@ class FilteredReference:
         b = np.broadcast_to(model.b, (*self.shape, model.b.shape[-1]))
         # the voltages of the regressor are one sample old, so one sample of the delay has passed
         first = model.delay - 1
-        old = self._num.shape[-1]
-        length = max(1 + a.shape[-1], first + b.shape[-1], old)
+        length = max(1 + a.shape[-1], first + b.shape[-1], self._num.shape[-1])
         num, den = np.zeros((2, *self.shape, length))
         num[..., first : first + b.shape[-1]] = b
         den[..., 0] = 1.0
         den[..., 1 : 1 + a.shape[-1]] = a
-        more = (0, length - old)
-        lead = [(0, 0)] * len(self.shape)
-        old_num, old_den = np.pad(self._num, [*lead, more]), np.pad(self._den, [*lead, more])
-        pick = np.broadcast_to(trusted, self.shape)[..., None]
-        num, den = np.where(pick, num, old_num), np.where(pick, den, old_den)
+        old_num, old_den = lengthen(self._num, length), lengthen(self._den, length)
+        num, den = select(trusted, num, old_num), select(trusted, den, old_den)
         self.known = self.known | trusted
         fresh: Mask = np.any((num != old_num) | (den != old_den), axis=-1)
         if not fresh.any():
             return None
         self._num, self._den = num, den
-        longer = np.pad(self.state.filters, [*lead, (0, 0), more])
-        self.state = self.state._replace(filters=longer)
+        self.state = self.state._replace(filters=lengthen(self.state.filters, length))
         self._replay(fresh, reaction, weights, seen_through_only=True)
         return fresh
 
@@ -173,16 +169,12 @@ class FilteredReference:
         if seen_through_only:  # what u is made of stays as it is, to the last bit
             fresh.take_plain(self.state)
         for kept, new in zip(self.state, fresh, strict=True):
-            kept[...] = np.where(_wide(where, kept), new, kept)
+            kept[...] = select(where, new, kept)
 
     def reset(self, mask: Mask) -> None:
         """Forget the past where `mask` (shape) holds; the model stays."""
         for kept in self.state:
-            kept[...] = np.where(_wide(mask, kept), 0.0, kept)
+            kept[...] = select(mask, 0.0, kept)
         self._past[...] = np.where(mask, 0.0, self._past)
         self.filling = np.where(mask, float(self.contents.taps + self._settle), self.filling)
         self._last = np.where(mask, 0.0, self._last)
-
-
-def _wide(mask: Mask, array: Array) -> Mask:
-    return mask.reshape(mask.shape + (1,) * (array.ndim - mask.ndim))

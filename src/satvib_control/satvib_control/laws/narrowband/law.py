@@ -38,6 +38,7 @@ import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.phases import Phase
 
+from satvib_control.core.trusted_model import TrustedModel, select
 from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.narrowband import step as nk
 from satvib_control.laws.narrowband import tracker as tt
@@ -46,7 +47,6 @@ from satvib_control.laws.narrowband.model_correction import FIXED_AT, UNTAUGHT
 from satvib_control.laws.narrowband.parameters import NarrowbandParameters
 from satvib_control.laws.narrowband.search import grid_size
 from satvib_control.laws.reasons import reason
-from satvib_control.model_analysis.transfer import model_polynomials
 
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
@@ -89,7 +89,8 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
         self.apply(p)
         self._past = np.full((*shape, max(round(PAST / dt), 1), 3), -1.0)
         self._next = 0
-        self._known = np.zeros(shape, dtype=bool)
+        self._model = TrustedModel(shape)
+        self._points = np.zeros((*shape, 1, 3))
         self._tones = np.zeros((*shape, p.narrowband_tones, tt.TONE))
         self._common = np.zeros((*shape, tt.COMMON))
         self._rings = np.zeros((*shape, 2, window))
@@ -97,16 +98,7 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
         self._lesson = np.tile(UNTAUGHT, (*shape, 1))
         self._show = np.zeros((*shape, nk.SHOW))
         self.reset()
-        self._size(2, 1)
         self.state.reason = np.full(shape, NO_MODEL)
-
-    def _size(self, length: int, points: int) -> None:
-        """Make room for a model of that length, without effect."""
-        self._b, self._a = np.zeros((2, *self.shape, length))
-        self._a[..., 0] = 1.0
-        self._filter = np.zeros((*self.shape, length - 1))
-        self._points = np.zeros((*self.shape, points, 3))
-        self._known = np.zeros(self.shape, dtype=bool)
 
     def apply(self, parameters: NarrowbandParameters) -> None:
         """Take a new voltage limit."""
@@ -115,38 +107,31 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
 
     def set_model(self, model: 'IirModel', trusted: Mask, covariance: Array | None = None) -> None:  # noqa: ARG002 - the interface
         """Take the model where it is trusted and run it over the past, so that the tones are known at once."""
-        b, a = model_polynomials(model)
-        points = margin_grid(model)
-        if (b.shape[-1], points.shape[-2]) != (self._b.shape[-1], self._points.shape[-2]):
-            self._size(b.shape[-1], points.shape[-2])
-        new = np.any(b != self._b, axis=-1) | np.any(a != self._a, axis=-1)
-        new = trusted & (new | ~self._known)
+        given = self._model
+        new = given.news(model, trusted)
         if not new.any():
             return
-        pick = new[..., None]
-        self._b[...] = np.where(pick, b, self._b)
-        self._a[...] = np.where(pick, a, self._a)
-        self._points[...] = np.where(pick[..., None], points, self._points)
-        self._filter[...] = np.where(pick, 0.0, self._filter)
-        self._common[..., tt.SLOW] = np.where(new, 1.0, self._common[..., tt.SLOW])
-        self._lesson[...] = np.where(pick, UNTAUGHT, self._lesson)
-        follow = np.where(new, np.where(self._known, 0.0, 1.0), -1.0)
+        follow = np.where(new, np.where(given.known, 0.0, 1.0), -1.0)
+        given.take(model, new)
+        given.reset(new)
+        self._points = margin_grid(given.b, given.a)
+        self._common[..., tt.SLOW] = select(new, 1.0, self._common[..., tt.SLOW])
+        self._lesson = select(new, UNTAUGHT, self._lesson)
         nk.narrowband_replay(
-            self._b, self._a, self._settings, self._points, self._filter, self._common,
+            given.b, given.a, self._settings, self._points, given.state, self._common,
             self._tones, self._rings, self._floor, self._lesson, self._past, float(self._next), follow, self._show,
         )  # fmt: skip
-        self._known = self._known | new
 
     def step(self, x: LawInput, phase: Phase) -> Array:
         """Give the voltage (shape, V); 0 V in ADAPT, where the tones are only listened to."""
         row = self._past[..., self._next, :]
         row[..., 0], row[..., 1], row[..., 2] = x.upper, x.applied, x.valid
         self._next = (self._next + 1) % self._past.shape[-2]
-        act = (phase == Phase.CONTROL) & self._known
+        act = (phase == Phase.CONTROL) & self._model.known
         u = nk.narrowband_step(
-            self._b, self._a, self._settings, self._points, self._filter, self._common,
+            self._model.b, self._model.a, self._settings, self._points, self._model.state, self._common,
             self._tones, self._rings, self._floor, self._lesson, x.upper, x.applied,
-            np.where(self._known, np.where(x.valid, 1.0, 0.0), -1.0), np.where(act, 1.0, 0.0), self._show,
+            np.where(self._model.known, np.where(x.valid, 1.0, 0.0), -1.0), np.where(act, 1.0, 0.0), self._show,
         )  # fmt: skip
         self._tell()
         return np.asarray(u)
@@ -158,13 +143,13 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
         state.frequency = show[..., nk.SHOW_OMEGA] / turn
         state.weight_norm = show[..., nk.SHOW_VOLTS].copy()
         state.sensitivity = show[..., nk.SHOW_PEAK].copy()
-        state.adapting = (show[..., nk.SHOW_MOVING] > 0.0) & self._known
+        state.adapting = (show[..., nk.SHOW_MOVING] > 0.0) & self._model.known
         why = np.where(show[..., nk.SHOW_SLOW] > 0.0, SLOWED, 0)
         why = np.where(self._lesson[..., FIXED_AT] > 0.0, CORRECTED, why)
         why = np.where(show[..., nk.SHOW_LIMITED] > 0.0, LIMITED, why)
         why = np.where(show[..., nk.SHOW_HELD] > 0.0, HELD, why)
         why = np.where(show[..., nk.SHOW_MOVING] > 0.0, why, NOTHING)
-        state.reason = np.where(self._known, why, NO_MODEL)
+        state.reason = np.where(self._model.known, why, NO_MODEL)
 
     def tones(self) -> tuple[Array, Array]:
         """Give frequency (Hz) and amplitude (m/s^2) of the tracked tones, (*shape, tones); NaN where there is none."""

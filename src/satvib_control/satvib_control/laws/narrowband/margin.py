@@ -18,7 +18,6 @@ caught (its memory still below six wanted paces) twice the limit is allowed.
 """
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numba import njit
@@ -37,10 +36,7 @@ from satvib_control.laws.narrowband.tracker import (
     STRETCH,
     WANTED,
 )
-from satvib_control.model_analysis.transfer import model_polynomials, respond
-
-if TYPE_CHECKING:
-    from satvib_ident.models.iir_model import IirModel
+from satvib_control.model_analysis.transfer import respond
 
 UNIFORM = 96
 
@@ -97,9 +93,15 @@ def stretch(tones, inverse, points, lesson, settings, common):
         common[STRETCH] = max(common[STRETCH] / 1.03, common[SLOW])
 
 
-def margin_grid(model: 'IirModel') -> Array:
-    """Give the points at which |S| is watched, (..., q, 3): omega (rad/sample), Re G, Im G; for each item its own."""
-    b, a = model_polynomials(model)
+def margin_grid(b: Array, a: Array) -> Array:
+    """Give the points at which |S| is watched, for each item its own.
+
+    Args:
+        b, a: (..., p) polynomials of the model in z^-1.
+
+    Returns:
+        (..., q, 3) omega (rad/sample), Re G, Im G.
+    """
     shape = b.shape[:-1]
     uniform = (np.arange(UNIFORM) + 0.5) * math.pi / UNIFORM
     size = UNIFORM + 3 * (b.shape[-1] + a.shape[-1])
