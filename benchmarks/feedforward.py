@@ -173,6 +173,7 @@ def reach() -> str:
         'rig',
         'coherence bound',
         'Wiener optimum',
+        'with the leak',
         *METHODS,
         'peak voltage of the optimum [V]',
     ]
