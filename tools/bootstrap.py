@@ -19,4 +19,4 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from workspace.steps import prepare
 
 if __name__ == '__main__':
-    sys.exit(prepare())
+    sys.exit(prepare(*sys.argv[1:2]))

@@ -68,7 +68,7 @@ def build(own_ros: bool) -> None:
         write_whole(ground, requirements)
     UNFINISHED.touch()
     try:
-        run(['bash', '-c', colcon(own_ros)], 'colcon build', clean_environment())
+        run(['bash', '-c', colcon(own_ros)], 'colcon build', build_environment())
     except CommandError as error:
         if not error.cause:  # colcon came to its end, so what it left is whole
             UNFINISHED.unlink()
@@ -82,12 +82,26 @@ def build(own_ros: bool) -> None:
 def colcon(own_ros: bool) -> str:
     """Write the shell line that builds."""
     python = shlex.quote(str(PYTHON))
+    # on an installed ROS 2 there are C++ nodes and other middlewares; with the wheels there are none
+    only = '' if own_ros else ' -DSATVIB_PYTHON_ONLY=ON'
     underlay = '' if own_ros else f'. {shlex.quote(str(VENV / "setup.bash"))} && '
     return (
         f'{underlay}export PATH={shlex.quote(str(VENV / "bin"))}:"$PATH" && '
         f'exec {python} -m colcon build --symlink-install '
-        f'--cmake-args -DBUILD_TESTING=OFF -DPython3_EXECUTABLE={python}'
+        f'--cmake-args -DBUILD_TESTING=OFF -DPython3_EXECUTABLE={python}{only}'
     )
+
+
+def build_environment() -> dict[str, str]:
+    """Give the environment that colcon builds in.
+
+    make takes all cores however busy they are, and the generators of the messages keep their own modules compiled:
+    each runs several times.
+    """
+    env = clean_environment()
+    env.pop('PYTHONDONTWRITEBYTECODE', None)
+    env.setdefault('MAKEFLAGS', f'-j{len(os.sched_getaffinity(0))}')
+    return env
 
 
 def clean_environment() -> dict[str, str]:

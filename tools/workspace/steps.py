@@ -8,14 +8,18 @@ import sys
 from workspace.base import CACHE, ROOT, SetupError
 from workspace.build import build
 from workspace.environment import make_environment
-from workspace.kernels import warm_kernels
+from workspace.kernels import Kernels
 from workspace.lock import alone
 from workspace.machine import check_machine, sourced_ros
+from workspace.plan import need_of
 from workspace.prefix import make_prefix
 
 
-def prepare() -> int:
+def prepare(command: str = '') -> int:
     """Bring the workspace up to date; say nothing when it is.
+
+    Args:
+        command: the first word after `satvib`; what it does not need is left for later.
 
     Returns:
         an exit code: 0, 2 when something is missing (said in one line), 130 when interrupted.
@@ -27,8 +31,13 @@ def prepare() -> int:
             check_machine(own_ros)
             make_environment(own_ros)
             make_prefix(own_ros)
-            build(own_ros)
-            warm_kernels()
+            kernels = Kernels(need_of(command))
+            try:
+                kernels.start()
+                build(own_ros)
+                kernels.wait()
+            finally:
+                kernels.stop()
     except SetupError as error:
         print(f'satvib: {error}', file=sys.stderr)
         return 2
