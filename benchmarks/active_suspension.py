@@ -7,7 +7,7 @@
     python benchmarks/active_suspension.py --short        # two noise segments, no random frequencies
     python benchmarks/active_suspension.py --page docs/narrowband.md [--model identified]
 
-The law is told the band, the model and nothing else: not the level, not the number of tones, not when they change.
+The law gets the band, the model and nothing else: not the level, not the number of tones, not when they change.
 Each figure stands beside that of an oracle which knows every frequency at every sample, on the same noise. The
 benchmark's limits are limited by its noise: what counts is to be within 0.5 dB of the oracle, and inside the limits
 wherever the oracle is. `model` is the benchmark's own, or one identified from 40 s of noisy data (see `identified`).

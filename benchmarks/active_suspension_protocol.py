@@ -21,7 +21,7 @@ RATE = 800.0
 LIMIT = 0.7
 AMPLITUDE = 0.1
 START = 5.0  # s; disturbance and control begin
-PACE = 0.1  # s; of the oracle, and what the law is told as narrowband_settling
+PACE = 0.1  # s; of the oracle, and the narrowband_settling of the law
 LIMITS_MA = {1: 6.0, 2: 7.0, 3: 9.0}
 
 

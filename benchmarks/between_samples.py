@@ -84,9 +84,9 @@ def own_truth() -> str:
     rows = []
 
     def add(name: str, noise: str, after: Array, before: Array, dt: float) -> None:
-        told = decibel(rms(after), rms(before))
+        attenuation = decibel(rms(after), rms(before))
         tone = decibel(tone_level(after, dt, [10.0]), tone_level(before, dt, [10.0]))
-        rows.append([name, noise, f'{np.max(told):.1f}', f'{np.max(tone):.1f}'])
+        rows.append([name, noise, f'{np.max(attenuation):.1f}', f'{np.max(tone):.1f}'])
 
     measured = [each.get('acceleration', 'upper')[window] for each in (run, idle)]
     add("the loop's own samples, 100 Hz", '0.1 mg', *measured, run.sample_period)

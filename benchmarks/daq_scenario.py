@@ -206,11 +206,11 @@ def main() -> int:
                     if key in kept:
                         print(f'  {key}: {kept[key]}')
                 for strut, reasons in kept['reasons'].items():
-                    told = [
+                    lines = [
                         f'{k * graph.sample_period:.2f} s {Phase(phase).name}: {why or "well"}'
                         for (phase, why), k in reasons.items()
                     ]
-                    print(f'  {strut}: {"; ".join(told)}')
+                    print(f'  {strut}: {"; ".join(lines)}')
                 results[name] = attenuations(scenario, graph, kept)
                 for kind, values in results[name].items():
                     print(f'  {kind}: {", ".join(f"{v:.2f}" for v in values)} dB', flush=True)

@@ -95,12 +95,12 @@ def row(case: Case, seeds: range) -> str:
     """One line of the table."""
     errors, trusted = phase_errors(case, seeds)
     worst = errors.max(axis=(0, 1))
-    believed = np.where(trusted[..., None], errors, 0.0).max(axis=(0, 1))
+    trusted_errors = np.where(trusted[..., None], errors, 0.0).max(axis=(0, 1))
     share = 100.0 * trusted.mean()
-    told = f'{believed[0]:.1f} / {believed[1]:.1f}' if trusted.any() else '-'
+    shown = f'{trusted_errors[0]:.1f} / {trusted_errors[1]:.1f}' if trusted.any() else '-'
     return (
         f'| {case.rate:.0f} | {case.filter} | {case.excitation} | {case.poles}/{case.coefficients}, '
-        f'{case.delay} | {1e3 * case.latency:g} | {worst[0]:.1f} / {worst[1]:.1f} | {share:.0f} | {told} |'
+        f'{case.delay} | {1e3 * case.latency:g} | {worst[0]:.1f} / {worst[1]:.1f} | {share:.0f} | {shown} |'
     )
 
 

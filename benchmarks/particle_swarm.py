@@ -7,7 +7,7 @@
     python benchmarks/particle_swarm.py
 
 Every method gets the same box, the same number of evaluations and a random start by its seed; no one knows the untuned
-gains. CMA-ES is started anew with a doubled population whenever it has converged (IPOP) until its budget is spent.
+gains. CMA-ES starts again with a doubled population whenever it has converged (IPOP) until its budget is spent.
 Prints the median and the worst of ten seeds, as Markdown.
 """
 

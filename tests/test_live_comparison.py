@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the comparison says, as live graphs: an actuator lost, another payload identified anew, a controller killed.
+"""What the comparison says, as live graphs: an actuator lost, another payload identified again, a controller killed.
 
 In lockstep the truth is the offline twin, bit for bit, so its figures are those of the page. A kill needs real time,
 where latencies are the machine's: there the truth is who is silent from when on, and what the laws make of what they
@@ -99,7 +99,7 @@ def answers(scenario, run, struts):
 
 @pytest.mark.parametrize('scheme', MODEST)
 def test_a_controller_killed_in_the_run(scheme, tmp_path, domain):  # noqa: ARG001
-    """Truth: the scenario says who dies and when; the laws' own cores, over what the live ones measured, bit for bit.
+    """Truth: the scenario says which controller is killed and when; the laws' own cores, over what the live ones measured, bit for bit.
 
     Decentralized, the other two go on to the end; centralized, every strut is on its own. What comes of the voltages
     depends on how late the machine is: where it is punctual (1 % late on two cores) the twin says it to 3 dB.
@@ -107,8 +107,8 @@ def test_a_controller_killed_in_the_run(scheme, tmp_path, domain):  # noqa: ARG0
     from satvib_experiment.scenario.scenario import load_scenario
     from satvib_experiment.twin.closed_loop import simulate, simulate_open_loop
 
-    dead = [0] if scheme == 'decentralized' else [0, 1, 2]
-    alive = [i for i in range(3) if i not in dead]
+    killed = [0] if scheme == 'decentralized' else [0, 1, 2]
+    alive = [i for i in range(3) if i not in killed]
     strut = ', strut: 1' if alive else ''
     # a busy machine may be late by more than the 50 ms that a board usually grants
     more = [f'failures=[{{kind: controller_killed, time: 4.5{strut}}}]', 'command_timeout=0.8']
@@ -117,19 +117,19 @@ def test_a_controller_killed_in_the_run(scheme, tmp_path, domain):  # noqa: ARG0
     there = run.get('voltage', 'present')
     k = round(4.5 / run.sample_period)
     last = [int(np.flatnonzero(there[:, i])[-1]) for i in range(3)]
-    for i in dead:
+    for i in killed:
         assert k - 2 <= last[i] < k + 200, 'within a second, on a busy machine'
     for i in alive:
         assert last[i] == len(there) - 1
-    for struts in [[i] for i in range(3)] if alive else [dead]:
+    for struts in [[i] for i in range(3)] if alive else [killed]:
         given, said = answers(scenario, run, struts)
         assert np.abs(given).max() > 0.1
         np.testing.assert_array_equal(said, given)
     twin = simulate(scenario)
     end = (7.5, 8.5)
     left, quiet = level(twin, *end), level(simulate_open_loop(twin), *end)
-    assert (left[alive] < 0.7 * quiet[alive]).all(), 'the living still do some good'
-    assert (left[dead] < 1.1 * quiet[dead]).all(), 'the dead do no harm'
+    assert (left[alive] < 0.7 * quiet[alive]).all(), 'the others still attenuate'
+    assert (left[killed] < 1.1 * quiet[killed]).all(), 'the killed ones do no harm'
     if run.counts.get('plant_sim_late_voltages', 0) < 0.03 * there.sum():
         decibels = 20.0 * np.log10(level(run, *end) / left)
         assert np.abs(decibels).max() < 3.0

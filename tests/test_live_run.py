@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-# What the run and its twin must share bit for bit; the rest is of the machine (compute_time) or told by stamps.
+# What the run and its twin must share bit for bit; the rest is of the machine (compute_time) or in the stamps.
 FIELDS = {
     'acceleration': ('upper', 'lower'),
     'voltage': ('voltage', 'saturated', 'fault'),

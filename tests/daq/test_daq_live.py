@@ -36,8 +36,8 @@ def test_a_whole_life(stand):
     assert 'Traceback' not in stand.said('bridge')
     stand.until_state('IDLE')
     once = ['IDLE', 'ARMED', 'ACTIVE']
-    told = [state for state, _ in stand.states]
-    assert told == [*once, *once, 'ESTOP', *once, 'IDLE']
+    seen = [state for state, _ in stand.states]
+    assert seen == [*once, *once, 'ESTOP', *once, 'IDLE']
     assert all(reason for _, reason in stand.states)
 
 
