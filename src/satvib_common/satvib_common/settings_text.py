@@ -1,64 +1,118 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Changes to a mapping from the command line: 'key=value' with dots for nested keys."""
+"""Settings as text: 'key=value', the value as YAML has it, with dots in the key for what lies inside.
 
-from collections.abc import Sequence
+    seed=7        disturbance.amplitude=0.2        phases.1.start=9.0        rig.payload.mass=12
+
+Elements of a list count from 0. Every setting of satvib that is text is read here, and put in its place here.
+"""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.schema import parse_yaml
 
+# keys of a rig become entries of this key of a scenario
+RIG_CHANGES = 'rig_overrides'
 
-def parse_override(text: str) -> tuple[str, Any]:
-    """Split 'key=value'; the value is read as YAML.
+
+def is_key(text: object) -> bool:
+    """Whether a text is a key: names with dots between them."""
+    return isinstance(text, str) and all(text.split('.'))
+
+
+def parse_setting(text: str, where: str) -> tuple[str, Any]:
+    """Split 'key=value'.
+
+    Args:
+        text: the setting.
+        where: what begins the message when it is wrong, as in '--set'.
 
     Raises:
         SatvibError: no equals sign, no key, or a value that is not YAML.
     """
     key, equals, value = text.partition('=')
     key = key.strip()
-    if not equals or not key or any(not part for part in key.split('.')):
-        raise SatvibError(f'--set {text}: key=value is expected, with dots for nested keys')
-    return key, parse_yaml(value, f'--set {text}')
+    if not equals or not is_key(key):
+        raise SatvibError(f'{where} {text}: key=value is expected, with dots for nested keys')
+    return key, parse_yaml(value, f'{where} {text}')
 
 
-def apply_overrides(data: dict[str, Any], overrides: Sequence[str]) -> None:
-    """Change a scenario's mapping in place; 'rig.payload.mass=12' becomes an entry of `rig_overrides`.
+def parse_settings(texts: Iterable[str], where: str) -> dict[str, Any]:
+    """Read several settings, by key; blank ones are left out. Raises as `parse_setting`."""
+    return dict(parse_setting(text, where) for text in texts if text.strip())
 
-    Whether the key exists is checked later, by the schema that it belongs to.
+
+def setting_text(key: str, value: Any) -> str:
+    """Give the 'key=value' that `parse_setting` reads back; numbers keep all their digits."""
+    return f'{key}={json.dumps(value)}'
+
+
+def assign(data: Any, key: str, value: Any, where: str, grow: bool = False) -> None:
+    """Set one dotted key in nested mappings and lists, in place.
+
+    Args:
+        data: the outermost mapping.
+        key: with dots.
+        value: the new one.
+        where: what begins the message when the key does not fit.
+        grow: add keys that are not there; a schema checks them later.
 
     Raises:
-        SatvibError: an override that cannot be read, or a dotted key below something that is no mapping.
+        SatvibError: a part of the key that is not there, or a value in the place of a group of keys.
     """
-    for text in overrides:
-        apply_value(data, *parse_override(text), text)
-
-
-def apply_value(data: dict[str, Any], key: str, value: Any, text: str) -> None:
-    """Change one dotted key of a scenario's mapping in place; `text` is what messages show.
-
-    Raises:
-        SatvibError: a key below something that is no mapping.
-    """
-    head, _, rest = key.partition('.')
-    if head in {'rig', 'rig_overrides'} and rest:
-        data['rig_overrides'] = {**(data.get('rig_overrides') or {}), rest: value}
-    else:
-        _assign(data, key.split('.'), value, text)
-
-
-def _assign(data: Any, parts: list[str], value: Any, text: str) -> None:
-    *parents, last = parts
-    for part in parents:
-        if isinstance(data, dict) and data.get(part) is None:
+    *parents, last = key.split('.')
+    for depth, part in enumerate(parents):
+        if grow and isinstance(data, dict) and data.get(part) is None:
             data[part] = {}
-        data = data[_index(data, part, text)]
-    data[_index(data, last, text)] = value
+        data = _child(data, part)
+        if not isinstance(data, dict | list):
+            path = '.'.join(parents[: depth + 1])
+            raise SatvibError(f'{where}: {path} has no keys below it or does not exist')
+    if isinstance(data, list):
+        if not last.isdecimal() or int(last) >= len(data):
+            raise SatvibError(f'{where}: {last} is not an index from 0 to {len(data) - 1}')
+        data[int(last)] = value
+        return
+    if not grow and last not in data:
+        raise SatvibError(f'{where}: no such key (known here: {", ".join(data)})')
+    if not grow and isinstance(data[last], dict) and not isinstance(value, Mapping):
+        raise SatvibError(f'{where}: is a group of keys, name one of {", ".join(data[last])}')
+    data[last] = value
 
 
-def _index(data: Any, part: str, text: str) -> Any:
-    if isinstance(data, dict):
-        return part
-    if isinstance(data, list) and part.isdecimal() and int(part) < len(data):
-        return int(part)
-    raise SatvibError(f'--set {text}: nothing is called {part} there')
+def _child(data: Any, part: str) -> Any:
+    if isinstance(data, list):
+        return data[int(part)] if part.isdecimal() and int(part) < len(data) else None
+    return data.get(part)
+
+
+def change_existing(data: dict[str, Any], changes: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Set dotted keys that exist, in place; gives the same mapping. Raises as `assign`."""
+    for key, value in changes.items():
+        assign(data, key, value, f'{where}: {key}')
+    return data
+
+
+def change_setting(data: dict[str, Any], key: str, value: Any, where: str) -> None:
+    """Set one dotted key of a scenario's mapping; a key of its rig is kept in `rig_overrides`. Raises as `assign`."""
+    head, _, rest = key.partition('.')
+    if head in {'rig', RIG_CHANGES} and rest:
+        data[RIG_CHANGES] = {**(data.get(RIG_CHANGES) or {}), rest: value}
+    else:
+        assign(data, key, value, where, grow=True)
+
+
+def change_settings(data: dict[str, Any], texts: Sequence[str]) -> None:
+    """Apply the 'key=value' of `--set` to a scenario's mapping, in place.
+
+    Whether a key exists is checked later, by the schema that it belongs to.
+
+    Raises:
+        SatvibError: a text that is not key=value, or a key that does not fit.
+    """
+    for text in texts:
+        key, value = parse_setting(text, '--set')
+        change_setting(data, key, value, f'--set {text}')

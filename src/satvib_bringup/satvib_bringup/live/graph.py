@@ -26,6 +26,7 @@ from typing import Any
 import yaml
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
+from satvib_common.settings_text import setting_text
 from satvib_experiment.recording.bag_reader import custom_data
 from satvib_experiment.scenario.scenario import Scenario
 from satvib_plant_sim.nodes.parameters import PlantParameters
@@ -151,7 +152,7 @@ def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None
     struts = tuple(f'strut_{i + 1}' for i in range(strut_count(rig)))
     plant = PlantParameters(
         rig=scenario.rig,
-        rig_overrides=tuple(f'{k}={_inline(v)}' for k, v in scenario.rig_overrides.items()),
+        rig_overrides=tuple(setting_text(k, v) for k, v in scenario.rig_overrides.items()),
         disturbance=_inline(scenario.disturbance or {'kind': 'none'}),
         failures=_inline([f.to_mapping() for f in scenario.failures if f.kind != CONTROLLER]),
         seed=scenario.seed,

@@ -7,26 +7,10 @@ from typing import Any
 
 import numpy as np
 from satvib_common.arrays import Array
-from satvib_common.errors import SatvibError
-from satvib_common.schema import parse_yaml
+from satvib_common.settings_text import parse_settings
 from satvib_ident.excitation import SIGNALS, make_excitation
 
 from satvib_control.laws.parameters import LawParameters
-
-
-def parse_options(options: tuple[str, ...]) -> dict[str, Any]:
-    """Read 'key=value' pairs; values as YAML has them.
-
-    Raises:
-        SatvibError: a pair without an equals sign.
-    """
-    found: dict[str, Any] = {}
-    for option in options:
-        key, equals, text = option.partition('=')
-        if not equals:
-            raise SatvibError(f'excitation_options: {option!r} is not key=value')
-        found[key.strip()] = parse_yaml(text, f'excitation_options: {key.strip()}')
-    return found
 
 
 class StrutSignals:
@@ -46,7 +30,7 @@ class StrutSignals:
         cls = SIGNALS.get(name)
         if cls is not None and 'frequencies' in {f.name for f in dataclasses.fields(cls)}:
             options['frequencies'] = frequencies
-        options |= parse_options(p.excitation_options)
+        options |= parse_settings(p.excitation_options, 'excitation_options')
         count = shape[-1] if shape else 1
         struts = max(p.struts, p.strut + count)
         self.signals = [

@@ -28,6 +28,7 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import parse_yaml
+from satvib_common.settings_text import parse_settings
 from satvib_plant_sim.rig.rig import Rig, load_rig
 
 from satvib_daq_bridge.protocol.messages import Hold, Identity
@@ -228,8 +229,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument('--truth', type=Path, help='save what the plant really did (.npz)')
     given = parser.parse_args(arguments)
     try:
-        changes = dict(text.split('=', 1) for text in given.set)
-        rig = load_rig(given.rig, {k: parse_yaml(v, k) for k, v in changes.items()})
+        rig = load_rig(given.rig, parse_settings(given.set, '--set'))
         disturbance = parse_yaml(given.disturbance, '--disturbance')
         log = os.open(given.log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC) if given.log else -1
         master, _, path = open_line(given.link)

@@ -9,7 +9,7 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.schema import load_yaml
-from satvib_common.settings_text import apply_overrides
+from satvib_common.settings_text import change_settings
 
 
 def nearest(name: str, known: Sequence[str]) -> str:
@@ -60,5 +60,5 @@ def load_settings(path: Path, overrides: Sequence[str] = ()) -> dict[str, Any]:
     data = load_yaml(path)
     if not isinstance(data, dict):
         raise SatvibError(f'{path}: a mapping of keys is expected')
-    apply_overrides(data, overrides)
+    change_settings(data, overrides)
     return data

@@ -7,6 +7,7 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param, parse_yaml
+from satvib_common.settings_text import parse_settings
 
 from satvib_plant_sim.disturbance import Disturbance, make_disturbance
 from satvib_plant_sim.plant.any_plant import AnyPlant
@@ -57,15 +58,7 @@ class PlantParameters(Schema):
 
     def override_mapping(self) -> dict[str, Any]:
         """Give the overrides as `load_rig` takes them; an empty string is nothing."""
-        found = {}
-        for text in self.rig_overrides:
-            key, equals, value = text.partition('=')
-            if not text.strip():
-                continue
-            if not equals or not key.strip():
-                raise SatvibError(f"rig_overrides: {text!r} is not 'key=value'")
-            found[key.strip()] = parse_yaml(value, f'rig_overrides: {key.strip()}')
-        return found
+        return parse_settings(self.rig_overrides, 'rig_overrides')
 
     def load_rig(self) -> AnyRig:
         """Load the rig with its overrides."""

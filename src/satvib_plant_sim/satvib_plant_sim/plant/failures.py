@@ -23,10 +23,11 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
+from satvib_common.settings_text import change_existing
 
 from satvib_plant_sim.disturbance import make_disturbance
 from satvib_plant_sim.rig.any_rig import AnyRig, strut_count
-from satvib_plant_sim.rig.rig import Rig, apply_overrides
+from satvib_plant_sim.rig.rig import Rig
 
 ACTUATOR, SENSOR, RIG, DISTURBANCE, CONTROLLER = KINDS = (
     'actuator_lost', 'sensor_lost', 'rig_changed', 'disturbance_changed', 'controller_killed',
@@ -76,7 +77,7 @@ class Failure(Schema):
         if not isinstance(rig, Rig):
             raise SatvibError(f'{self.kind}: a rig of identified models cannot change')
         if self.kind == RIG:
-            data = apply_overrides(rig.to_mapping(), self.changes, 'changes')
+            data = change_existing(rig.to_mapping(), self.changes, 'changes')
             return Rig.from_mapping(data, 'changes')
         scale = list(rig.coil.force_scale)
         scale[self.strut - 1] = 0.0

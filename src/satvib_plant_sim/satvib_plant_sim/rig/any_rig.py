@@ -8,9 +8,10 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.schema import load_yaml
+from satvib_common.settings_text import change_existing
 
 from satvib_plant_sim.rig.identified_rig import IirRig
-from satvib_plant_sim.rig.rig import Rig, apply_overrides, load_rig, read_rig
+from satvib_plant_sim.rig.rig import Rig, load_rig, read_rig
 
 AnyRig = Rig | IirRig
 
@@ -34,7 +35,7 @@ def load_any_rig(name_or_path: str | Path, overrides: Mapping[str, Any] | None =
     rig = IirRig.from_mapping({'name': Path(name_or_path).stem, **data}, where)
     if not overrides:
         return rig
-    return IirRig.from_mapping(apply_overrides(rig.to_mapping(), overrides, where), where)
+    return IirRig.from_mapping(change_existing(rig.to_mapping(), overrides, where), where)
 
 
 def _read_model(entry: Any, folder: Path, rate: Any, where: str) -> Any:

@@ -18,6 +18,7 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, load_yaml, param, parse_yaml
+from satvib_common.settings_text import change_existing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -240,50 +241,4 @@ def load_rig(name_or_path: str | Path, overrides: Mapping[str, Any] | None = Non
     if not overrides:
         return base
     where = text if _is_path(text) else f'rig {text}'
-    return Rig.from_mapping(apply_overrides(base.to_mapping(), overrides, where), where)
-
-
-def apply_overrides(
-    mapping: dict[str, Any], overrides: Mapping[str, Any], where: str
-) -> dict[str, Any]:
-    """Set dotted keys in the plain data of a whole rig, which changes.
-
-    Raises:
-        SatvibError: a key that is not there.
-    """
-    for key, value in overrides.items():
-        _override(mapping, key, value, where)
-    return mapping
-
-
-def _override(mapping: dict[str, Any], key: str, value: Any, where: str) -> None:
-    """Set one dotted key; keys that do not exist are left for the schema to refuse, parents are not."""
-    *parents, last = key.split('.')
-    node: Any = mapping
-    for depth, part in enumerate(parents):
-        child = _child(node, part)
-        if not isinstance(child, dict | list):
-            path = '.'.join(parents[: depth + 1])
-            raise SatvibError(f'{where}: {key}: {path} has no keys below it or does not exist')
-        node = child
-    if isinstance(node, list):
-        if not last.isdigit() or int(last) >= len(node):
-            raise SatvibError(f'{where}: {key}: not an index from 0 to {len(node) - 1}')
-        node[int(last)] = value
-    elif last not in node:
-        known = ', '.join(node)
-        raise SatvibError(f'{where}: {key}: no such key (known here: {known})')
-    elif isinstance(node[last], dict) and not isinstance(value, Mapping):
-        raise SatvibError(
-            f'{where}: {key}: is a group of keys, name one of {", ".join(node[last])}'
-        )
-    else:
-        node[last] = value
-
-
-def _child(node: Any, part: str) -> Any:
-    if isinstance(node, dict):
-        return node.get(part)
-    if isinstance(node, list) and part.isdigit() and int(part) < len(node):
-        return node[int(part)]
-    return None
+    return Rig.from_mapping(change_existing(base.to_mapping(), overrides, where), where)

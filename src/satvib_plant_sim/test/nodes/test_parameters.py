@@ -23,7 +23,7 @@ def test_parameters_build_a_rig_and_a_disturbance():
 @pytest.mark.parametrize(
     ('changes', 'message'),
     [
-        ({'rig_overrides': ('payload.mass',)}, "rig_overrides: 'payload.mass' is not 'key=value'"),
+        ({'rig_overrides': ('payload.mass',)}, 'rig_overrides payload.mass: key=value is expected'),
         ({'disturbance': '{kind: quake}'}, "disturbance: kind: 'quake' is not known"),
         ({'disturbance': '{kind: '}, 'disturbance: not YAML'),
         ({'seed': -1}, 'seed: -1 is less than 0'),

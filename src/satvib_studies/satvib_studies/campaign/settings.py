@@ -26,6 +26,7 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
+from satvib_common.settings_text import is_key
 from satvib_experiment.scenario.settings_file import (
     load_settings,
     names_in,
@@ -67,7 +68,7 @@ class Campaign(Schema):
         if not self.parameters:
             raise SatvibError('parameters: at least one is needed')
         for key in (*self.parameters, *self.set):
-            if not isinstance(key, str) or not all(key.split('.')):
+            if not is_key(key):
                 raise SatvibError(f'{key}: a key with dots for nested keys is expected')
         for key in self.parameters:
             if key.split('.')[0] in _FIXED and not key.startswith('rig.'):

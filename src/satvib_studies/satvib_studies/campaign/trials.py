@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from satvib_common.errors import SatvibError
-from satvib_common.settings_text import apply_value
+from satvib_common.settings_text import RIG_CHANGES, change_setting, setting_text
 from satvib_experiment.scenario.scenario import Scenario, check_scenario, load_scenario
 from satvib_experiment.scenario.settings_file import nearest
 
@@ -21,12 +21,7 @@ from satvib_studies.campaign.drawing.sampling import draw
 from satvib_studies.campaign.settings import Campaign
 
 _NAMES = tuple(field.name for field in dataclasses.fields(Scenario))
-_FIELD = {'rig': 'rig_overrides'}
-
-
-def setting(key: str, value: Any) -> str:
-    """Give 'key=value' as --set takes it; numbers with all their digits."""
-    return f'{key}={json.dumps(value)}'
+_FIELD = {'rig': RIG_CHANGES}
 
 
 @dataclass(frozen=True)
@@ -47,8 +42,8 @@ class TrialPlan:
 
     def settings(self, trial: int) -> list[str]:
         """Give what `--set` needs for one trial, shared changes included."""
-        told = [setting(k, v) for k, v in self.campaign.set.items()]
-        told += [setting(k, v[trial]) for k, v in self.values.items()]
+        told = [setting_text(k, v) for k, v in self.campaign.set.items()]
+        told += [setting_text(k, v[trial]) for k, v in self.values.items()]
         if 'seed' not in self.values:
             told = [s for s in told if not s.startswith('seed=')]
             told.append(f'seed={self.seeds[trial]}')
@@ -67,7 +62,7 @@ class TrialPlan:
         heads = {_FIELD.get(head, head) for head in (key.split('.')[0] for key in values)}
         data = {name: deepcopy(getattr(self.base, name)) for name in heads & set(_NAMES)}
         for key, value in values.items():
-            apply_value(data, key, value, f'{key}={value}')
+            change_setting(data, key, value, f'{key}={value}')
         unknown = set(data) - set(_NAMES)
         if unknown:
             name = min(unknown)
@@ -123,7 +118,9 @@ def plan_trials(campaign: Campaign) -> TrialPlan:
     """
     where = f'campaign {campaign.name}'
     try:
-        base = load_scenario(campaign.scenario, [setting(k, v) for k, v in campaign.set.items()])
+        base = load_scenario(
+            campaign.scenario, [setting_text(k, v) for k, v in campaign.set.items()]
+        )
     except SatvibError as error:
         raise SatvibError(f'{where}: {error}') from None
     plan = plan_from(campaign, base)

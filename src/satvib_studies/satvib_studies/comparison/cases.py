@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, load_yaml, param
-from satvib_common.settings_text import apply_overrides
+from satvib_common.settings_text import change_settings
 from satvib_experiment.scenario.scenario import Scenario, check_scenario
 from satvib_plant_sim.plant.failures import Failure
 from satvib_plant_sim.rig.random_rig import random_parts
@@ -133,7 +133,7 @@ def load_comparison(path: Path | None = None, overrides: Sequence[str] = ()) -> 
     data = load_yaml(file)
     if not isinstance(data, dict):
         raise SatvibError(f'{file}: a mapping of keys is expected')
-    apply_overrides(data, overrides)
+    change_settings(data, overrides)
     loaded = Comparison.from_mapping(data, str(file))
     for scheme in loaded.schemes:
         for case in loaded.cases:

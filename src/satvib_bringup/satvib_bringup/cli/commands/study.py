@@ -11,7 +11,7 @@ def study(settings: Settings = None, folder: Folder = None) -> None:
     Prints the table and draws the figures; `--set seeds=20`, `--set estimator=instrumental` and so on change it.
     """
     from rich.table import Table
-    from satvib_common.settings_text import apply_overrides
+    from satvib_common.settings_text import change_settings
     from satvib_experiment.recording.run_folder import free_run_folder, make_run_folder
     from satvib_studies.signal_study.plots import save_figures
     from satvib_studies.signal_study.study import StudySettings, run
@@ -20,7 +20,7 @@ def study(settings: Settings = None, folder: Folder = None) -> None:
     from satvib_bringup.cli.console import make_console
 
     data: dict[str, object] = {}
-    apply_overrides(data, settings or [])
+    change_settings(data, settings or [])
     chosen = StudySettings.from_mapping(data, 'study')
     target = free_run_folder('study', folder)
     make_run_folder(target)

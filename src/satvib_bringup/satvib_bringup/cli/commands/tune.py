@@ -42,7 +42,7 @@ def tune(
     the rig, `--set swarm.budget=20000` and `--set cost.margin=0.4` the search.
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-    from satvib_common.settings_text import apply_overrides
+    from satvib_common.settings_text import change_settings
     from satvib_experiment.recording.run_folder import free_run_folder, make_run_folder
     from satvib_plant_sim.rig.any_rig import load_any_rig
     from satvib_studies.tuning.figure import draw
@@ -51,7 +51,7 @@ def tune(
     from satvib_bringup.cli.console import make_console
 
     data: dict[str, Any] = {}
-    apply_overrides(data, settings or [])
+    change_settings(data, settings or [])
     loaded = load_any_rig(rig, data.pop('rig_overrides', None))
     search = Search(loaded, read_disturbance(disturbance), TuneSettings.from_mapping(data, '--set'))
     if checkpoint is not None:
