@@ -5,7 +5,7 @@
 Input: the sensor chain's output y and its noise e are limited to the sensor's range; with sensitivity S, zero voltage
 V_0 and the sensor's own bias b,
 
-    volts = V_0 + S (b + clip(y + e, +-range)),  code = floor(volts / lsb + 1/2) within +-full scale,
+    volts = V_0 + S (b + s clip(y + e, +-range)),  code = floor(volts / lsb + 1/2) within +-full scale,
     reading = (code lsb - V_0) / S.
 
 Output: volts / gain is limited and quantized likewise, multiplied by the amplifier's gain and limited to what it gives.
@@ -60,10 +60,10 @@ def lsb(full_scale: float, bits: int) -> float:
 
 
 @kernel(
-    'void(f8[:],f8[:],f8[:],f8[:,:],f8[:])',
-    '(r),(s),(m),(m,q)->(m)',
+    'void(f8[:],f8[:],f8[:],f8[:],f8[:,:],f8[:])',
+    '(r),(s),(m),(m),(m,q)->(m)',
 )
-def read_input(state, settings, bias, noise, reading):
+def read_input(state, settings, bias, scale, noise, reading):
     """Read the 2n converters (upper, then lower) from the state (R) and the noise states (2n, c)."""
     n = bias.shape[0] // 2
     stages = noise.shape[1]
@@ -72,7 +72,7 @@ def read_input(state, settings, bias, noise, reading):
     for i in range(2 * n):
         lane = min(n, i)
         y = state[last + lane] + noise[i, stages - 1]
-        y = min(max(y, -top), top)
+        y = scale[i] * min(max(y, -top), top)
         volts = settings[2] + settings[1] * (bias[i] + y)
         volts = _converted(volts, settings[3], settings[4])
         reading[i] = (volts - settings[2]) / settings[1]
@@ -104,6 +104,12 @@ def drive_output(voltage, settings, terminal):
     for i in range(voltage.shape[0]):
         volts = _converted(voltage[i] / settings[0], settings[2], settings[3]) * settings[0]
         terminal[i] = min(max(volts, -settings[1]), settings[1]) + 0.0
+
+
+def sensor_scale(rig: Rig) -> list[float]:
+    """Give the factor on what each of the 2n sensors shows."""
+    scale, sensors = rig.accelerometer.scale, 2 * rig.struts.count
+    return list(scale) if len(scale) == sensors else list(scale) * sensors
 
 
 def drawn_bias(rig: Rig, seed: int) -> list[float]:

@@ -32,7 +32,10 @@ from satvib_plant_sim.rig.rig import Rig
 ACTUATOR, SENSOR, RIG, DISTURBANCE, CONTROLLER = KINDS = (
     'actuator_lost', 'sensor_lost', 'rig_changed', 'disturbance_changed', 'controller_killed',
 )  # fmt: skip
-_MAY_CHANGE = ('payload', 'struts', 'coil')
+_MAY_CHANGE = (
+    'payload', 'struts', 'coil', 'accelerometer.range', 'accelerometer.bandwidth',
+    'accelerometer.scale', 'acquisition.input_delay',
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +60,7 @@ class Failure(Schema):
         if self.disturbance:
             make_disturbance(self.disturbance)
         for key in self.changes:
-            if key.split('.')[0] not in _MAY_CHANGE:
+            if key not in _MAY_CHANGE and key.split('.')[0] not in _MAY_CHANGE:
                 raise SatvibError(
                     f'changes.{key}: only {", ".join(_MAY_CHANGE)} can change in a run'
                 )

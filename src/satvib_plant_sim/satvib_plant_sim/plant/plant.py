@@ -9,6 +9,7 @@ truth = plant.advance(voltage)       # noise-free, between this sample and the n
 
 from collections.abc import Mapping, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +24,7 @@ from satvib_plant_sim.physics.converters import (
     input_settings,
     output_settings,
     read_input,
+    sensor_scale,
 )
 from satvib_plant_sim.physics.energy import stored_energy
 from satvib_plant_sim.physics.modes import equilibrium
@@ -88,6 +90,7 @@ class Plant:
         self._ramp[:, :, 2] = -2.0 * self.n_fine
         self._input = np.array([input_settings(r) for r in rigs])
         self._output = np.array([output_settings(r) for r in rigs])
+        self._scale = np.array([sensor_scale(r) for r in rigs])
         self._bias = np.array([drawn_bias(r, s) for r, s in zip(rigs, seeds, strict=True)])
         models = [noise_model(r) for r in rigs]
         self._E, self._L = np.stack([m[0] for m in models]), np.stack([m[1] for m in models])
@@ -107,8 +110,9 @@ class Plant:
         """Change trials from the present sample on; what moves keeps its motion.
 
         Args:
-            rigs: by trial; they differ from the present ones in payload, struts and coil only. The source shakes on as
-                before, also where its amplitude was that of the lower plate.
+            rigs: by trial; they differ from the present ones in payload, struts, coil, latency and what the sensors
+                show (range, bandwidth, scale) only. The source shakes on as before, also where its amplitude was that
+                of the lower plate.
             disturbances: by trial, with times from the beginning of the run; amplitudes at the lower plate of the rig
                 as the run began.
         """
@@ -117,13 +121,30 @@ class Plant:
             design = discretize(rig)
             for constants, name in zip(self._constants, CONSTANTS, strict=True):
                 constants[trial] = getattr(design, name)
+            self._input[trial] = input_settings(rig)
+            self._scale[trial] = sensor_scale(rig)
             self._output[trial] = output_settings(rig)
+            self._delay(trial, design.delay)
             present[trial] = rig
         self.rigs = tuple(present)
         if disturbances:
             for trial, disturbance in disturbances.items():
                 self._disturbances[trial] = disturbance
             self._mixer = self._mix(self._first_rigs)
+
+    def _delay(self, trial: int, delay: Any) -> None:
+        """Let the voltages of a trial arrive with another latency; those that are on their way keep their order."""
+        self._periods_late[trial] = delay[0]
+        self._event[trial] = np.asarray(delay[1:], dtype=float)
+        depth, missing = len(self._queue), int(delay[0]) + 1 - len(self._queue)
+        if missing > 0:
+            # the voltages move to their places in the longer queue; before the oldest there was the oldest
+            k = self.sequence
+            old = [self._queue[(k - age) % depth] for age in range(1, depth + 1)]
+            queue = np.zeros((depth + missing, *self._queue.shape[1:]))
+            for age in range(1, depth + missing):
+                queue[(k - age) % len(queue)] = old[min(age, len(old)) - 1]
+            self._queue = queue
 
     def displace(self, stroke: ArrayLike) -> None:
         """Hold the payload at rest with strokes (*shape, struts), m, from which the next `advance` lets it go."""
@@ -142,7 +163,7 @@ class Plant:
 
     def sample(self) -> Sample:
         """Read the converters at the present sample; asking again gives the same."""
-        reading = read_input(self._state, self._input, self._bias, self._noise)
+        reading = read_input(self._state, self._input, self._bias, self._scale, self._noise)
         n = self.struts
         shape = (*self.shape, n)
         return Sample(self.sequence, reading[:, :n].reshape(shape), reading[:, n:].reshape(shape))

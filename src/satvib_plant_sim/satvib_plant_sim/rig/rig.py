@@ -104,6 +104,10 @@ class Accelerometer(Schema):
     bias: tuple[float, ...] | None = param(
         None, 'bias of the upper sensors, then the lower; none: drawn', unit='m/s^2'
     )
+    scale: tuple[float, ...] = param(
+        (1.0,), 'factor on what a sensor shows: one for all, or the upper sensors, then the lower; '
+        '-1: mounted the other way'
+    )  # fmt: skip
     noise_rms: float = param(
         description='noise within the bandwidth, RMS', unit='m/s^2', minimum=0.0
     )
@@ -167,6 +171,10 @@ class Rig(Schema):
         if bias is not None and len(bias) != 2 * count:
             raise SatvibError(f'accelerometer.bias: {len(bias)} values for {2 * count} sensors')
         sensor = self.accelerometer
+        if len(sensor.scale) not in {1, 2 * count}:
+            raise SatvibError(
+                f'accelerometer.scale: {len(sensor.scale)} factors for {2 * count} sensors'
+            )
         at_rest = abs(sensor.zero_voltage) + sensor.zero_tolerance
         if at_rest >= self.acquisition.input_range:
             raise SatvibError(

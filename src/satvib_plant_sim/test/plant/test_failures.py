@@ -50,6 +50,21 @@ def same(one, other):
             {'kind': 'rig_changed', 'changes': {'struts.stiffness_scale.0': 0.5}},
             {'struts.stiffness_scale.0': 0.5},
         ),
+        (
+            {'kind': 'rig_changed', 'changes': {'acquisition.input_delay': 0.0173}},
+            {'acquisition.input_delay': 0.0173},
+        ),
+        (
+            {
+                'kind': 'rig_changed',
+                'changes': {'accelerometer.scale': [-1.0, 1.0, 0.5, 1.0, 1.0, 2.0]},
+            },
+            {'accelerometer.scale': [-1.0, 1.0, 0.5, 1.0, 1.0, 2.0]},
+        ),
+        (
+            {'kind': 'rig_changed', 'changes': {'accelerometer.range': 0.5}},
+            {'accelerometer.range': 0.5},
+        ),
     ],
 )
 def test_a_failure_at_the_beginning_is_the_failed_rig(failed, changes):
@@ -181,7 +196,7 @@ BAD = {
     'strut: rig_changed has no such key': {
         'kind': 'rig_changed', 'time': 1.0, 'strut': 1, 'changes': {'payload.mass': 1.0},
     },
-    'only payload, struts, coil can change': {
+    'only payload, struts, coil, accelerometer.range': {
         'kind': 'rig_changed', 'time': 1.0, 'changes': {'acquisition.sample_rate': 100.0},
     },
     'frequency: missing': {
@@ -215,3 +230,39 @@ def test_failures_that_do_not_fit_the_run_are_refused():
     with pytest.raises(SatvibError, match='a list is expected'):
         PlantParameters(failures='{kind: sensor_lost}')
     assert PlantParameters(failures='[{kind: controller_killed, time: 2}]').make_failures()
+
+
+def test_a_latency_that_grows_in_a_run_keeps_what_is_on_its_way():
+    """Truth: while the voltage is 0 nobody can tell, so the plant that had the longer latency from the beginning."""
+    u = np.concatenate([np.zeros((40, 3)), voltages(80)])
+    changes = {'acquisition.input_delay': 0.0173}
+    changed = make_failing_plant(
+        RIG, TONE, 3, [failure('rig_changed', time=20 * RIG.acquisition.period, changes=changes)]
+    )
+    wanted = Plant(load_rig('soft_3dof', changes), TONE, 3)
+    for one, other in zip(drive(changed, u), drive(wanted, u), strict=True):
+        assert same(one, other)
+
+
+@pytest.mark.parametrize('delay', [0.0, 0.004, 0.0173])
+def test_voltages_on_their_way_arrive_in_order_when_the_latency_changes(delay):
+    """Truth: a voltage that stays the same is the same whenever it arrives, whatever the latency is."""
+    steady = np.full((120, 3), 1.0)
+    failures = [
+        failure(
+            'rig_changed',
+            time=60 * RIG.acquisition.period,
+            changes={'acquisition.input_delay': delay},
+        )
+    ]
+    changed = drive(make_failing_plant(RIG, TONE, 3, failures), steady)
+    unchanged = drive(Plant(RIG, TONE, 3), steady)
+    for one, other in zip(changed, unchanged, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-9)
+
+
+def test_what_cannot_change_in_a_run_is_refused():
+    """The noise of a sensor and the anti-alias filter are drawn and designed before the run."""
+    for key in ('accelerometer.noise_rms', 'acquisition.filter_corner', 'shaker.mass'):
+        with pytest.raises(SatvibError, match=key):
+            failure('rig_changed', changes={key: 1.0})
