@@ -99,7 +99,9 @@ def answers(scenario, run, struts):
 
 @pytest.mark.parametrize('scheme', MODEST)
 def test_a_controller_killed_in_the_run(scheme, tmp_path, domain):  # noqa: ARG001
-    """Truth: the scenario says which controller is killed and when; the laws' own cores, over what the live ones measured, bit for bit.
+    """Truth: which controller is killed, and when, as the scenario says; the laws' own cores over what was measured.
+
+    The voltages agree bit for bit.
 
     Decentralized, the other two go on to the end; centralized, every strut is on its own. What comes of the voltages
     depends on how late the machine is: where it is punctual (1 % late on two cores) the twin says it to 3 dB.
