@@ -34,7 +34,7 @@ ACTUATOR, SENSOR, RIG, DISTURBANCE, CONTROLLER = KINDS = (
 )  # fmt: skip
 _MAY_CHANGE = (
     'payload', 'struts', 'coil', 'accelerometer.range', 'accelerometer.bandwidth',
-    'accelerometer.scale', 'acquisition.input_delay',
+    'accelerometer.scale', 'acquisition.input_delay', 'acquisition.periods_late',
 )  # fmt: skip
 
 

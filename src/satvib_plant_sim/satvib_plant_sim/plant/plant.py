@@ -9,7 +9,6 @@ truth = plant.advance(voltage)       # noise-free, between this sample and the n
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -81,7 +80,9 @@ class Plant:
         self._constants = [_stack(designs, name) for name in CONSTANTS]
         self._linear = np.array([float(r.acquisition.hold == 'linear') for r in rigs])
         delays = np.array([d.delay for d in designs])
-        self._periods_late = delays[:, 0]
+        self._periods_late = np.array(
+            [_whole_periods(r, d.delay) for r, d in zip(rigs, designs, strict=True)]
+        )
         self._event = np.repeat(delays[:, None, 1:].astype(float), n, axis=1)
         self._queue = np.zeros((int(self._periods_late.max()) + 1, trials, n))
 
@@ -124,7 +125,7 @@ class Plant:
             self._input[trial] = input_settings(rig)
             self._scale[trial] = sensor_scale(rig)
             self._output[trial] = output_settings(rig)
-            self._delay(trial, design.delay)
+            self._delay(trial, rig, design.delay)
             present[trial] = rig
         self.rigs = tuple(present)
         if disturbances:
@@ -132,11 +133,12 @@ class Plant:
                 self._disturbances[trial] = disturbance
             self._mixer = self._mix(self._first_rigs)
 
-    def _delay(self, trial: int, delay: Any) -> None:
+    def _delay(self, trial: int, rig: Rig, delay: tuple[int, int, int]) -> None:
         """Let the voltages of a trial arrive with another latency; those that are on their way keep their order."""
-        self._periods_late[trial] = delay[0]
+        self._periods_late[trial] = late = _whole_periods(rig, delay)
         self._event[trial] = np.asarray(delay[1:], dtype=float)
-        depth, missing = len(self._queue), int(delay[0]) + 1 - len(self._queue)
+        depth = len(self._queue)
+        missing = max(late) + 1 - depth
         if missing > 0:
             # the voltages move to their places in the longer queue; before the oldest there was the oldest
             k = self.sequence
@@ -191,15 +193,16 @@ class Plant:
         if arrival is None:
             depth = len(self._queue)
             self._queue[k % depth] = terminal
-            command = self._queue[(k - self._periods_late) % depth, np.arange(trials)]
+            late = (k - self._periods_late) % depth
+            command = self._queue[late, np.arange(trials)[:, None], np.arange(n)]
             event = self._event
         else:
             command = terminal
-            late = np.broadcast_to(np.asarray(arrival, dtype=float), (*self.shape, n))
-            steps = np.clip(np.rint(late / self.fine_period), 0.0, self.n_fine)
+            stated = np.broadcast_to(np.asarray(arrival, dtype=float), (*self.shape, n))
+            steps = np.clip(np.rint(stated / self.fine_period), 0.0, self.n_fine)
             event = np.zeros((trials, n, 2))
             # a step below 0 never comes
-            event[..., 0] = np.where(np.isnan(late), -1.0, steps).reshape(trials, n)
+            event[..., 0] = np.where(np.isnan(stated), -1.0, steps).reshape(trials, n)
         upper = np.empty((trials, n, self.n_fine))
         lower = np.empty((trials, self.n_fine))
         summary = advance_period(
@@ -220,6 +223,12 @@ class Plant:
         below = np.broadcast_to(lower.reshape(*self.shape, 1, self.n_fine), fine)
         stroke, peak, pull, current = (summary[:, i].reshape(shape) for i in range(4))
         return Truth(upper.reshape(fine), below, stroke, peak, pull, current)
+
+
+def _whole_periods(rig: Rig, delay: tuple[int, int, int]) -> list[int]:
+    """How many whole periods the voltage of each strut is late."""
+    late, count = rig.acquisition.periods_late, rig.struts.count
+    return [delay[0] + each for each in (late if len(late) == count else late * count)]
 
 
 def _stack(designs: Sequence[Discrete], name: str) -> Array:

@@ -128,6 +128,10 @@ class Acquisition(Schema):
         minimum=0.0,
         maximum=1,
     )
+    periods_late: tuple[int, ...] = param(
+        (0,), 'whole sample periods that the voltage arrives later than input_delay: one for all struts, or strut by '
+        'strut', minimum=0
+    )  # fmt: skip
     filter_order: int = param(
         description='Butterworth anti-alias filter; 0: none', minimum=0, maximum=8
     )
@@ -167,6 +171,9 @@ class Rig(Schema):
         if len(self.coil.force_scale) < count:
             given = len(self.coil.force_scale)
             raise SatvibError(f'coil.force_scale: {given} factors for {count} struts')
+        late = self.acquisition.periods_late
+        if len(late) != 1 and len(late) != count:
+            raise SatvibError(f'acquisition.periods_late: {len(late)} numbers for {count} struts')
         bias = self.accelerometer.bias
         if bias is not None and len(bias) != 2 * count:
             raise SatvibError(f'accelerometer.bias: {len(bias)} values for {2 * count} sensors')

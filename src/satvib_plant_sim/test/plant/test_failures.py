@@ -62,6 +62,10 @@ def same(one, other):
             {'accelerometer.scale': [-1.0, 1.0, 0.5, 1.0, 1.0, 2.0]},
         ),
         (
+            {'kind': 'rig_changed', 'changes': {'acquisition.periods_late': [0, 2, 1]}},
+            {'acquisition.periods_late': [0, 2, 1]},
+        ),
+        (
             {'kind': 'rig_changed', 'changes': {'accelerometer.range': 0.5}},
             {'accelerometer.range': 0.5},
         ),
@@ -266,3 +270,13 @@ def test_what_cannot_change_in_a_run_is_refused():
     for key in ('accelerometer.noise_rms', 'acquisition.filter_corner', 'shaker.mass'):
         with pytest.raises(SatvibError, match=key):
             failure('rig_changed', changes={key: 1.0})
+
+
+def test_a_strut_whose_voltage_is_late_gets_what_the_others_got_before():
+    """Truth: the voltages moved by hand, two samples for strut 2, none for the others."""
+    u = voltages(80)
+    moved = u.copy()
+    moved[:, 1] = np.concatenate([np.zeros(2), u[:-2, 1]])
+    late = drive(Plant(load_rig('soft_3dof', {'acquisition.periods_late': [0, 2, 0]}), TONE, 3), u)
+    for one, other in zip(late, drive(Plant(RIG, TONE, 3), moved), strict=True):
+        assert same(one, other)
