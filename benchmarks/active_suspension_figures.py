@@ -23,9 +23,8 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.phases import Phase
 from satvib_control.laws.base import LawInput
-from satvib_control.laws.narrowband.margin import respond
 from satvib_control.laws.registry import make_law
-from satvib_control.model_analysis.transfer import model_polynomials
+from satvib_control.model_analysis.transfer import model_polynomials, respond
 from satvib_control.parameters import ControllerParameters
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares
 from satvib_ident.models.iir_model import IirModel
@@ -138,7 +137,7 @@ def figure_sequences(folder: Path, plant: asp.Plant, model: IirModel) -> None:
 
 
 def figure_sensitivity(folder: Path, plant: asp.Plant, model: IirModel) -> None:
-    """|S| of the settled law at the three levels: 1 - G Q with Q as in tone_margin's docstring."""
+    """|S| of the settled law at the three levels: 1 - G Q with Q as in the docstring of `margin`."""
     b, a = model_polynomials(model)
     f = np.linspace(20.0, 150.0, 2601)
     z = np.exp(-2j * np.pi * f / asp.RATE)

@@ -1,193 +1,220 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two watches over law narrowband: over the tracker, and over what the voltage does.
+"""When law narrowband has to be at 0 V: it tests on the strut whether its voltage does harm, or no good.
 
-`lost`: for a whole window the tones have explained less than four fifths of the disturbance, though there is more
-than four times the usual error. Then the tracker is beyond catching up (three tones that jumped at once, say), and
-the law seeks anew in the window, which by then holds the new tones only.
+A model whose phase at the tone is wrong by 80 degrees or more makes the voltage feed what it is to cancel. The model
+itself explains the growth as one of the disturbance, so no test that uses the model alone can see it. Therefore the
+vibration is compared with its own power at 0 V, the base. The base is learnt only while the law's voltage is 0.
 
-`held`: whether the law has to be at 0 V. A model whose phase at the tone is wrong by 80 degrees or more makes the
-voltage feed what it is to cancel, and explains the growth as one of the disturbance: no test of the model by the model
-can see that. So the vibration is compared with its own power at 0 V, the base, which is learnt only while the law's
-voltage is 0. Suspect is
+| state | leaves when | next | voltage | learns |
+|---|---|---|---|---|
+| QUIET | the law gives a voltage | ACTING | 0 V | after four paces the base |
+| ACTING | suspicion | HELD | the law's | powers; `model_correction` the error of the model |
+| HELD | the hold is over and the power fell by half | ACTING | 0 V | the law is the cause: it comes back slower |
+| HELD | the hold is over, the power did not fall | EXTENDED | 0 V | nothing: the cause may be another strut |
+| EXTENDED | two first holds are over | as HELD, or ACTING | 0 V | the least power is the new base |
 
-    loud       y^2 > 2 base, the longer and the louder: five paces of it, less the more it is above,
-    quick      y^2 > 4 base, and what the model thinks the voltage does is large enough to be the cause,
+There is suspicion when the vibration is
+
+    loud       y^2 > 2 base for five paces; less time when it is louder,
+    quick      y^2 > 4 base, and the effect of the voltage in the model is large enough to be the cause,
     useless    y^2 > 0.7 base for 20 paces on balance,
-    astray     the tracker is lost, and the attempt shows clearly that the model is turned.
+    lost       the tracker is lost, and the attempt shows clearly that the model is turned.
 
-The law then goes to 0 V for at least ten paces, rings down and listens. If the vibration falls by half it was guilty
-(useless and astray always are): the next hold is four times as long, and it comes back twice as slow, fades in four
-times as slowly, and 1.4 base is enough for the next suspicion. If not, it listens twice as long again, for the growth
-may be the work of another strut that is about to give up as well, and then takes what it hears for its new base. The
-base is the least of a hold, not the last, for the same reason. Means are over a pace, in a hold over four. Success, y^2
-below a tenth of base, shortens the next hold by an e-fold in 100 paces. A law that has to act before it has listened
-takes what it finds for its base until the first hold, which is then not prolonged.
+A hold lasts ten paces at least. When the law was the cause, the next hold is four times as long. The law then comes
+back twice as slow, fades in four times as slowly, and 1.4 base is enough for the next suspicion. After `useless` and
+`lost` the law is always taken for the cause. In EXTENDED the law listens because the growth may come from another
+strut, which is about to be held as well. For the same reason the new base is the least power of a hold, not the last.
+Means are over a pace, in a hold over four paces. Success (y^2 below a tenth of the base) shortens the next hold by an
+e-fold in 100 paces. A law that acts before it has listened takes the power that it finds for its base until the first
+hold, which is then not extended.
 
-Where the attempt was loud or astray and has shown what is wrong with the model (`tone_response`), the next hold is as
-the first again, and the law comes back four times as slow as it began: struts that learn at once disturb each other
-less so.
+Where the attempt was loud or lost and has shown the error of the model (`model_correction`), the next hold is as long
+as the first. The law then comes back four times as slow as at first: struts that correct their models at the same time
+disturb each other less so.
 """
 
 import math
+from enum import IntEnum
 
 from numba import njit
 
-from satvib_control.laws.narrowband.tracker import (
-    ACTIVE,
-    BASE,
-    BEFORE,
-    EXTENDED,
-    FADED,
-    FIRST_HOLD,
-    FRESH,
-    HEARD,
-    HOLD,
-    KNOWN,
-    LEAST,
-    LEVEL,
-    LOUD,
-    NEXT_HOLD,
-    POWER_D,
-    POWER_E,
-    POWER_U,
-    POWER_Y,
-    QUIET,
-    RECENT,
-    REST,
-    SEEN,
-    SILENT,
-    SLOW,
-    STRETCH,
-    TELLING,
-    TROUBLE,
-    USELESS,
-    WANTED,
-    WINDOW,
-)  # fmt: skip
+from satvib_control.laws.narrowband.memory import Backoff, Setting, Tracking
 
-GROWN, BELIEVED_LESS = 2.0, 1.4
-PATIENCE = 5.0  # paces
-RING_DOWN = 4.0  # paces at 0 V before anything is learnt of the strut
+RING_DOWN = (
+    4.0  # paces at 0 V before anything is learnt of the strut: its own vibration has decayed
+)
+GROWN = 2.0  # times the base is loud; beats of two tones stay below
+GROWN_AFTER_HARM = 1.4  # the same for a law that has done harm
+PATIENCE = 5.0  # paces of loudness up to a hold; and the most that one sample counts
+QUICK = 4.0  # times the base is suspect at once
+CAUSE = 0.25  # least power of the voltage's effect that can be the cause of y^2
+NO_CAUSE = 1.0 / 16.0  # share of y^2 below which the effect of the voltage cannot be the cause
+NO_USE = 0.7  # of the base: less is use
+USELESS_AFTER = 20.0  # paces
+SUCCESS = 0.1  # of the base
+CAUSED = 0.5  # the power in the hold over that before it, below which the law was the cause
+LONGER = 4.0  # factor on the next hold after harm
 LONGEST_HOLD = 600.0  # first holds
-CAREFUL = 4.0  # times slower with a corrected model
+SLOWEST = 8.0  # largest factor on the paces after harm
+SLOW_AFTER_CORRECTION = 4.0  # factor on the paces with a corrected model
+
+
+class Verdict(IntEnum):
+    """What a sample means for the voltage."""
+
+    FREE = 0  # no hold
+    TAKEN_OFF = 1  # a hold begins
+    HELD = 2
+    CAUSED = 3  # a hold has ended; the law was the cause, and the attempt may show the error of the model
 
 
 @njit
-def lost(common, settings, e, d):
-    """Whether for a whole window the tones have explained less than four fifths of the disturbance."""
-    window = settings[WINDOW]
-    common[POWER_E] += (e * e - common[POWER_E]) * 4.0 / window
-    common[POWER_D] += (d * d - common[POWER_D]) * 4.0 / window
-    weight = 0.02 if common[SEEN] - common[FRESH] < window else 1.0
-    common[QUIET] += (common[POWER_E] - common[QUIET]) * weight / min(16.0 * window, common[SEEN])
-    if common[POWER_E] > 0.2 * common[POWER_D] and common[POWER_E] > 4.0 * common[QUIET]:
-        common[TROUBLE] += 1.0
-    else:
-        common[TROUBLE] = max(common[TROUBLE] - 4.0, 0.0)
-    return common[TROUBLE] > window
-
-
-@njit
-def held(common, settings, y, d, acting, astray):
-    """Whether the law has to be at 0 V, whether that begins with this sample, and whether a guilty attempt may teach.
+def watch(backoff, tracking, settings, y, effect, act, turned):
+    """Take a sample; give the verdict.
 
     Args:
-        common: changed.
+        backoff, tracking: changed.
         settings: of the law.
         y: m/s^2.
-        d: m/s^2; y - G u.
-        acting: the law's voltage is let through in this phase.
-        astray: the tracker was lost in an attempt with a model that is turned (`tone_response`).
+        effect: m/s^2; of the voltage on y, by the model.
+        act: the law's voltage is let through in this phase.
+        turned: the tracker was lost in an attempt that shows that the model is turned (`model_correction`).
     """
-    _listen(common, settings, y, y - d)
-    if common[HOLD] > 0.0:
-        common[HOLD] -= 1.0
-        proved = common[HOLD] <= 0.0 and _judge(common, settings)
-        return common[HOLD] > 0.0, False, proved
-    if not acting or common[ACTIVE] == 0.0:
-        common[LOUD], common[USELESS] = 0.0, 0.0
-        return False, False, False
-    if common[BASE] == 0.0:
-        common[BASE] = common[LEVEL]
-    loud, useless = _suspicious(common, settings[WANTED])
-    if not (loud or useless or astray):
-        return False, False, False
-    common[BEFORE] = common[LEVEL] if loud else math.inf
-    common[TELLING] = 1.0 if loud or astray else 0.0
-    common[LEAST] = math.inf
-    common[LOUD], common[USELESS] = 0.0, 0.0
-    common[EXTENDED] = 0.0 if common[KNOWN] > 0.0 else 1.0
-    common[HOLD] = max(common[NEXT_HOLD], settings[FIRST_HOLD])
-    return True, True, False
+    _measure(backoff, settings[Setting.PACE], y, effect)
+    _learn_from_level(backoff, settings)
+    if backoff[Backoff.HOLD] > 0.0:
+        return _hold(backoff, tracking, settings[Setting.FIRST_HOLD])
+    if not act or backoff[Backoff.VOLTS] == 0.0:
+        return _quiet(backoff)
+    return _acting(backoff, settings, turned)
 
 
 @njit
-def believe(common, settings):
-    """The model was corrected after the verdict: the next hold is as the first, and it comes back slowly."""
-    common[NEXT_HOLD] = settings[FIRST_HOLD]
-    common[SLOW] = max(common[SLOW], CAREFUL)
+def restart(backoff, settings):
+    """After the model was corrected: the next hold is as the first, and the law comes back slowly."""
+    backoff[Backoff.NEXT_HOLD] = settings[Setting.FIRST_HOLD]
+    backoff[Backoff.SLOW] = max(backoff[Backoff.SLOW], SLOW_AFTER_CORRECTION)
 
 
 @njit
-def _listen(common, settings, y, effect):
-    """Take a sample into the powers, and at 0 V into the base."""
-    wanted = settings[WANTED]
-    common[HEARD] += 1.0
-    common[LEVEL] += (y * y - common[LEVEL]) * max(1.0 / wanted, 1.0 / common[HEARD])
-    common[POWER_Y] += (y * y - common[POWER_Y]) * 2.0 / wanted
-    common[POWER_U] += (effect * effect - common[POWER_U]) * 2.0 / wanted
-    common[RECENT] *= 1.0 - 0.1 / wanted
-    if common[POWER_U] < common[POWER_Y] / 16.0:
-        common[RECENT] = max(common[RECENT], common[POWER_Y])
-    if common[SILENT] <= RING_DOWN * wanted:
-        common[REST] = common[LEVEL]
-    common[SILENT] = common[SILENT] + 1.0 if common[ACTIVE] == 0.0 else 0.0
-    if common[SILENT] > RING_DOWN * wanted:
-        if common[HOLD] > 0.0:
-            common[REST] += (common[LEVEL] - common[REST]) / (4.0 * wanted)
-            common[LEAST] = min(common[LEAST], common[REST])
-        else:
-            common[BASE] += (common[LEVEL] - common[BASE]) / wanted
-            common[KNOWN] = 1.0
-    elif common[ACTIVE] > 0.0 and common[LEVEL] < 0.1 * common[BASE]:
-        common[NEXT_HOLD] = max(common[NEXT_HOLD] * (1.0 - 0.01 / wanted), settings[FIRST_HOLD])
+def rung_down(backoff, pace):
+    """Whether the voltage has been 0 long enough to learn from the strut."""
+    return backoff[Backoff.SILENT] > RING_DOWN * pace
 
 
 @njit
-def _suspicious(common, wanted):
-    """Whether it has been loud, and whether useless, for too long."""
-    level, base = common[LEVEL], common[BASE]
-    growth = level / ((GROWN if common[SLOW] == 1.0 else BELIEVED_LESS) * base + 1e-300)
-    common[LOUD] = (
-        common[LOUD] + min(growth, PATIENCE) if growth > 1.0 else max(common[LOUD] - 0.5, 0.0)
-    )
-    quick = (
-        common[POWER_Y] > 4.0 * max(base, common[RECENT])
-        and common[POWER_U] > 0.25 * common[POWER_Y]
-    )
-    if level > 0.7 * base and common[FADED] > 0.5:
-        common[USELESS] += 1.0
+def _quiet(backoff):
+    """QUIET: a voltage that is not there is no suspect."""
+    backoff[Backoff.LOUD], backoff[Backoff.USELESS] = 0.0, 0.0
+    return Verdict.FREE
+
+
+@njit
+def _acting(backoff, settings, turned):
+    """ACTING: suspect or not."""
+    if backoff[Backoff.BASE] == 0.0:
+        backoff[Backoff.BASE] = backoff[Backoff.LEVEL]
+    loud = _loud(backoff, settings[Setting.PACE])
+    useless = _useless(backoff, settings[Setting.PACE])
+    if not (loud or useless or turned):
+        return Verdict.FREE
+    backoff[Backoff.BEFORE] = backoff[Backoff.LEVEL] if loud else math.inf
+    backoff[Backoff.INSTRUCTIVE] = 1.0 if loud or turned else 0.0
+    backoff[Backoff.LEAST] = math.inf
+    backoff[Backoff.LOUD], backoff[Backoff.USELESS] = 0.0, 0.0
+    backoff[Backoff.EXTENDED] = 0.0 if backoff[Backoff.BASE_KNOWN] > 0.0 else 1.0
+    backoff[Backoff.HOLD] = max(backoff[Backoff.NEXT_HOLD], settings[Setting.FIRST_HOLD])
+    return Verdict.TAKEN_OFF
+
+
+@njit
+def _hold(backoff, tracking, first_hold):
+    """HELD and EXTENDED: wait, then judge by the power at 0 V."""
+    backoff[Backoff.HOLD] -= 1.0
+    if backoff[Backoff.HOLD] > 0.0:
+        return Verdict.HELD
+    backoff[Backoff.BASE_KNOWN] = 1.0
+    if backoff[Backoff.LEAST] < CAUSED * backoff[Backoff.BEFORE]:
+        _slow_down(backoff, tracking, first_hold)
+        return Verdict.CAUSED if backoff[Backoff.INSTRUCTIVE] > 0.0 else Verdict.FREE
+    if backoff[Backoff.EXTENDED] == 0.0:
+        backoff[Backoff.EXTENDED] = 1.0
+        backoff[Backoff.HOLD] = 2.0 * first_hold
+        return Verdict.HELD
+    backoff[Backoff.BASE] = backoff[Backoff.LEAST]
+    return Verdict.FREE
+
+
+@njit
+def _slow_down(backoff, tracking, first_hold):
+    """The law was the cause: a longer hold the next time, and slower paces."""
+    longer = LONGER * max(backoff[Backoff.NEXT_HOLD], first_hold)
+    backoff[Backoff.NEXT_HOLD] = min(longer, LONGEST_HOLD * first_hold)
+    backoff[Backoff.SLOW] = min(2.0 * backoff[Backoff.SLOW], SLOWEST)
+    tracking[Tracking.STRETCH] = max(tracking[Tracking.STRETCH], backoff[Backoff.SLOW])
+    backoff[Backoff.BASE] = min(backoff[Backoff.LEAST], backoff[Backoff.BASE])
+
+
+@njit
+def _measure(backoff, pace, y, effect):
+    """Take a sample into the powers."""
+    backoff[Backoff.HEARD] += 1.0
+    share = max(1.0 / pace, 1.0 / backoff[Backoff.HEARD])
+    backoff[Backoff.LEVEL] += (y * y - backoff[Backoff.LEVEL]) * share
+    backoff[Backoff.QUICK_LEVEL] += (y * y - backoff[Backoff.QUICK_LEVEL]) * 2.0 / pace
+    old = backoff[Backoff.QUICK_EFFECT]
+    backoff[Backoff.QUICK_EFFECT] += (effect * effect - old) * 2.0 / pace
+    backoff[Backoff.PASSIVE_PEAK] *= 1.0 - 0.1 / pace
+    if backoff[Backoff.QUICK_EFFECT] < backoff[Backoff.QUICK_LEVEL] * NO_CAUSE:
+        peak = max(backoff[Backoff.PASSIVE_PEAK], backoff[Backoff.QUICK_LEVEL])
+        backoff[Backoff.PASSIVE_PEAK] = peak
+
+
+@njit
+def _learn_from_level(backoff, settings):
+    """At 0 V learn the base, or the least power of a hold; in success shorten the next hold."""
+    pace, level = settings[Setting.PACE], backoff[Backoff.LEVEL]
+    acting = backoff[Backoff.VOLTS] != 0.0
+    if not rung_down(backoff, pace):
+        backoff[Backoff.RESTING_LEVEL] = level
+    backoff[Backoff.SILENT] = 0.0 if acting else backoff[Backoff.SILENT] + 1.0
+    if rung_down(backoff, pace) and backoff[Backoff.HOLD] > 0.0:
+        resting = backoff[Backoff.RESTING_LEVEL]
+        resting += (level - resting) / (4.0 * pace)
+        backoff[Backoff.RESTING_LEVEL] = resting
+        backoff[Backoff.LEAST] = min(backoff[Backoff.LEAST], resting)
+    elif rung_down(backoff, pace):
+        backoff[Backoff.BASE] += (level - backoff[Backoff.BASE]) / pace
+        backoff[Backoff.BASE_KNOWN] = 1.0
+    elif acting and level < SUCCESS * backoff[Backoff.BASE]:
+        shorter = backoff[Backoff.NEXT_HOLD] * (1.0 - 0.01 / pace)
+        backoff[Backoff.NEXT_HOLD] = max(shorter, settings[Setting.FIRST_HOLD])
+
+
+@njit
+def _loud(backoff, pace):
+    """Whether the vibration has been loud for too long, or grows quickly."""
+    base = backoff[Backoff.BASE]
+    grown = GROWN if backoff[Backoff.SLOW] == 1.0 else GROWN_AFTER_HARM
+    growth = backoff[Backoff.LEVEL] / (grown * base + 1e-300)
+    if growth > 1.0:
+        backoff[Backoff.LOUD] += min(growth, PATIENCE)
     else:
-        common[USELESS] = max(common[USELESS] - 4.0, 0.0)
-    useless = common[USELESS] > 20.0 * wanted * max(0.5 * common[SLOW], 1.0)
-    return quick or common[LOUD] > PATIENCE * wanted, useless
+        backoff[Backoff.LOUD] = max(backoff[Backoff.LOUD] - 0.5, 0.0)
+    level = backoff[Backoff.QUICK_LEVEL]
+    quick = level > QUICK * max(base, backoff[Backoff.PASSIVE_PEAK])
+    quick = quick and backoff[Backoff.QUICK_EFFECT] > CAUSE * level
+    return quick or backoff[Backoff.LOUD] > PATIENCE * pace
 
 
 @njit
-def _judge(common, settings):
-    """At the end of a hold: was it the law, and what is the base; True: it was, and the attempt may teach."""
-    first = settings[FIRST_HOLD]
-    common[KNOWN] = 1.0
-    if common[LEAST] < 0.5 * common[BEFORE]:
-        common[NEXT_HOLD] = min(4.0 * max(common[NEXT_HOLD], first), LONGEST_HOLD * first)
-        common[SLOW] = min(2.0 * common[SLOW], 8.0)
-        common[STRETCH] = max(common[STRETCH], common[SLOW])
-        common[BASE] = min(common[LEAST], common[BASE])
-        return common[TELLING] > 0.0
-    if common[EXTENDED] == 0.0:
-        common[EXTENDED] = 1.0
-        common[HOLD] = 2.0 * first
+def _useless(backoff, pace):
+    """Whether the voltage has been without use for too long."""
+    useless = backoff[Backoff.LEVEL] > NO_USE * backoff[Backoff.BASE]
+    if useless and backoff[Backoff.FADED] > 0.5:
+        backoff[Backoff.USELESS] += 1.0
     else:
-        common[BASE] = common[LEAST]
-    return False
+        backoff[Backoff.USELESS] = max(backoff[Backoff.USELESS] - 4.0, 0.0)
+    limit = USELESS_AFTER * pace * max(0.5 * backoff[Backoff.SLOW], 1.0)
+    return backoff[Backoff.USELESS] > limit

@@ -1,27 +1,27 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Finding tones that nobody tracks yet: a short-time spectrum against its own floor.
+"""Finding tones that are not tracked yet: a short-time spectrum against its own floor.
 
 Every twelfth of the window, the last `window` errors e of the tracker under Hann's window h give
 
-    P(w) = |sum h e e^{-jwk}|^2 / sum h^2,
+    P(w) = |sum h e e^{-jwk}|^2 / sum h^2
 
-the variance of e where e is white, on a grid of half a resolution (a resolution is 1 / window). The floor is the
-running mean of P over 16 windows, single values counted up to eight times the level around them, which the lower
-quartile of the 25 nearest points tells. So coloured noise becomes floor, and a single tone, which takes nine points,
-does not. The largest P is a new tone when it is a local maximum, 25 times the floor, and 25 times the level that the
-lower quartile of the whole band tells. The vertex of the parabola through log P gives its frequency; correlation over
-the newer half of the window its amplitude and phase. What is found leaves the window at once, and the next is sought.
+on a grid of half a resolution (a resolution is 1 / window). P is the variance of e where e is white. The floor is the
+running mean of P over 16 windows. In it a single value counts at most as eight times the level around it; the level
+follows from the lower quartile of the 25 nearest points. So coloured noise becomes floor, and a single tone, which
+takes nine points, does not. The largest P is a new tone when it is a local maximum, 25 times the floor, and 25 times
+the level of the whole band. The vertex of the parabola through log P gives its frequency, correlation over the newer
+half of the window its amplitude and phase. The tone is then taken out of the window, and the next one is searched.
 
-A weak tone below that is told by its constancy. P of Gaussian noise, however coloured, has mean P^2 = 2 (mean P)^2,
-that of a tone (mean P)^2. Over eight windows mean P^2 < 1.3 (mean P)^2 with mean P above six times the level of the
-band is a tone.
+A weaker tone is found by its constancy. P of Gaussian noise, however coloured, has mean P^2 = 2 (mean P)^2, that of a
+tone (mean P)^2. Over eight windows mean P^2 < 1.3 (mean P)^2 with mean P above six times the level of the band is a
+tone.
 
-Side lobes: what the subtraction leaves of a tone that began inside the window, and the error of a tracker that
-follows a jump, have side lobes. So for a window's length after a find or a jump only peaks above 1/16 of that tone
-count, and what P says of the noise counts a tenth. Within two resolutions of a tone nothing is sought for two windows
-after its find, and the floor waits, for a second tone there is no noise; later within three quarters of a resolution
-of a tone that has settled and 1.25 of one that has not.
+Side lobes come from what the subtraction leaves of a tone that began inside the window, and from the error of a tracker
+that follows a jump. So for a window's length after a find or a jump only peaks above 1/16 of that tone count, and a
+spectrum has a tenth of its weight in the floor. For two windows after a find nothing is searched within two resolutions
+of the tone. Later the distance is three quarters of a resolution for a tone that has settled, 1.25 for one that has
+not. Beside a tone the floor waits there, because a second tone is no noise.
 """
 
 import math
@@ -29,30 +29,57 @@ import math
 import numpy as np
 from numba import njit
 
-from satvib_control.laws.narrowband.tracker import (
-    AGE,
-    FRESH,
-    HOPS,
-    IM,
-    LOW,
-    MEMORY,
-    OMEGA,
-    ON,
-    POINTER,
-    RE,
-    SEEN,
-    SMALLEST,
-    TOP,
-    TROUBLE,
-    begin,
-)
+from satvib_control.laws.narrowband.memory import Floor, Setting, Tone, Tracking
+from satvib_control.laws.narrowband.tracker import begin
 
-CLEAR = 25.0
-HOPS_PER_WINDOW = 12
-AROUND = 25
-WEAK = 6.0
-STEADY = 1.3
-STEADY_WINDOWS = 8.0
+CLEAR = 25.0  # times floor and level: a tone
+LOOKS_PER_WINDOW = 12
+AROUND = 25  # points in the level around a point
+QUARTILE = 0.2877  # lower quartile of an exponential distribution (which P has in noise) of mean 1
+OUTLIER = 8.0  # times the level: the most that a value counts in the floor
+FLOOR_WINDOWS = 16.0  # memory of the floor
+WEAK = 6.0  # times the level of the band, for a weak tone
+STEADY = 1.3  # largest mean P^2 / (mean P)^2 of a tone; noise has 2
+STEADY_WINDOWS = 8.0  # memory of these means
+SIDE_LOBE = 16.0  # a peak this much below a new tone may be its side lobe
+WEIGHT_AFTER_NEWS = 0.1  # of a spectrum in the floor, while tones that settle hide the noise
+SETTLED, UNSETTLED = 0.75, 1.25  # resolutions around a tone in which nothing is searched
+
+
+@njit
+def search(tones, settings, tracking, ring, floor, step):
+    """Look for new tones.
+
+    Args:
+        tones, tracking: changed.
+        settings: of the law.
+        ring: (window) errors of the tracker; what is found is taken out of it.
+        floor: (Floor, g); changed.
+        step: rad/sample; of the grid.
+    """
+    window, count = ring.shape[0], floor.shape[1]
+    pointer, low = int(tracking[Tracking.POINTER]), settings[Setting.LOW]
+    power = np.empty(count)
+    quiet = tracking[Tracking.SEEN] - tracking[Tracking.NEWS] >= window
+    first = quiet and not np.any(tones[:, Tone.ON] > 0.0)
+    if quiet:
+        tracking[Tracking.TOP] = 0.0
+    band = 0.0
+    for _ in range(tones.shape[0]):
+        spectrum(ring, pointer, low, step, power)
+        band = np.sort(power)[count // 4] / QUARTILE
+        best, top = _highest_peak(tones, settings, tracking, power, step, window)
+        if best < 0 or not _stands_out(floor, best, top, band, tracking[Tracking.SPECTRA]):
+            break
+        i = _free_place(tones, top, window)
+        if i < 0:
+            break
+        _take(tones[i], ring, pointer, low + (best + _vertex(power, best, top)) * step)
+        tracking[Tracking.NEWS] = tracking[Tracking.SEEN]
+        if first:
+            tracking[Tracking.BAD_SAMPLES] = 0.0
+        tracking[Tracking.TOP] = max(tracking[Tracking.TOP], top)
+    _learn_floor(tones, settings, tracking, power, band, floor, step, window)
 
 
 @njit
@@ -77,26 +104,18 @@ def spectrum(ring, pointer, low, step, out):
 
 
 @njit
-def _levels(power, out):
-    """Level of the noise around each point: what the lower quartile of its `AROUND` nearest points tells."""
-    count = power.shape[0]
-    size = min(AROUND, count)
-    rank = size // 4
-    kept = np.empty(rank + 1)
-    for q in range(count):
-        first = min(max(q - size // 2, 0), count - size)
-        filled = 0
-        for i in range(first, first + size):  # the rank + 1 smallest, in order
-            value = power[i]
-            if filled == rank + 1 and value >= kept[rank]:
-                continue
-            j = min(filled, rank)
-            while j > 0 and kept[j - 1] > value:
-                kept[j] = kept[j - 1]
-                j -= 1
-            kept[j] = value
-            filled = min(filled + 1, rank + 1)
-        out[q] = kept[rank] / 0.2877
+def _highest_peak(tones, settings, tracking, power, step, window):
+    """Give place and P of the highest local maximum that may be a new tone; place -1: none."""
+    best = -1
+    least = max(settings[Setting.SMALLEST] ** 2 * window / 6.0, 1e-300)
+    top = max(least, tracking[Tracking.TOP] / SIDE_LOBE)
+    for q in range(1, power.shape[0] - 1):
+        if power[q] < max(power[q - 1], power[q + 1]) or not power[q] > top:
+            continue
+        if not _near(tones, settings[Setting.LOW] + q * step, window, UNSETTLED, SETTLED):
+            top = power[q]
+            best = q
+    return best, top
 
 
 @njit
@@ -107,29 +126,55 @@ def _near(tones, omega, window, unsettled, settled):
     """
     for i in range(tones.shape[0]):
         t = tones[i]
-        if t[ON] > 0.0:
+        if t[Tone.ON] > 0.0:
             around = 2.0
-            if t[AGE] > 2.0 * window:
-                around = settled if t[MEMORY] > 2.0 * window else unsettled
-            if abs(t[OMEGA] - omega) * window < around * 2.0 * math.pi:
+            if t[Tone.AGE] > 2.0 * window:
+                around = settled if t[Tone.MEMORY] > 2.0 * window else unsettled
+            if abs(t[Tone.OMEGA] - omega) * window < around * 2.0 * math.pi:
                 return True
     return False
 
 
 @njit
-def _free(tones, power, window):
+def _stands_out(floor, best, top, band, spectra):
+    """Whether a peak is a tone: clear of the noise, or steady; the floor then forgets that it took it for noise."""
+    if top >= CLEAR * max(band, floor[Floor.NOISE, best]):
+        return True
+    mean = floor[Floor.MEAN, best]
+    constant = floor[Floor.SQUARE, best] < STEADY * mean * mean
+    long = spectra >= STEADY_WINDOWS * LOOKS_PER_WINDOW
+    if not (long and mean > WEAK * band and constant):
+        return False
+    for q in range(max(best - 4, 0), min(best + 5, floor.shape[1])):
+        floor[Floor.NOISE, q] = min(floor[Floor.NOISE, q], band)
+    return True
+
+
+@njit
+def _free_place(tones, power, window):
     """A place for a tone of that P: a free one, or the weakest if it has a quarter at most; -1: none."""
     weakest = -1
     least = 0.25 * power
     for i in range(tones.shape[0]):
         t = tones[i]
-        if t[ON] == 0.0:
+        if t[Tone.ON] == 0.0:
             return i
-        own = (t[RE] * t[RE] + t[IM] * t[IM]) * window / 6.0  # P of a tone under Hann's window
+        square = t[Tone.RE] * t[Tone.RE] + t[Tone.IM] * t[Tone.IM]
+        own = square * window / 6.0  # P of a tone under Hann's window
         if own < least:
             least = own
             weakest = i
     return weakest
+
+
+@njit
+def _vertex(power, best, top):
+    """How far the vertex of the parabola through log P is from the highest point, in steps."""
+    a = math.log(power[best - 1] + 1e-300)
+    b = math.log(top)
+    c = math.log(power[best + 1] + 1e-300)
+    bend = a - 2.0 * b + c
+    return 0.5 * (a - c) / bend if bend < 0.0 else 0.0
 
 
 @njit
@@ -151,75 +196,48 @@ def _take(t, ring, pointer, omega):
 
 
 @njit
-def _steady(floor, q, lowest, hops):
-    """Whether P at a point of the grid has long been that of a weak tone: above the band, and always the same."""
-    mean = floor[1, q]
-    constant = floor[2, q] < STEADY * mean * mean
-    return hops >= STEADY_WINDOWS * HOPS_PER_WINDOW and mean > WEAK * lowest and constant
+def _learn_floor(tones, settings, tracking, power, band, floor, step, window):
+    """Take a spectrum into the floor and into the means of P and P^2."""
+    settling = tracking[Tracking.SEEN] - tracking[Tracking.NEWS] < window
+    weight = WEIGHT_AFTER_NEWS if settling else 1.0
+    spectra = min(tracking[Tracking.SPECTRA] + weight, FLOOR_WINDOWS * LOOKS_PER_WINDOW)
+    tracking[Tracking.SPECTRA] = spectra
+    recent = weight / min(spectra, STEADY_WINDOWS * LOOKS_PER_WINDOW)
+    weight /= spectra
+    level = np.empty(power.shape[0])
+    _levels(power, level)
+    for q in range(power.shape[0]):
+        floor[Floor.MEAN, q] += (power[q] - floor[Floor.MEAN, q]) * recent
+        floor[Floor.SQUARE, q] += (power[q] * power[q] - floor[Floor.SQUARE, q]) * recent
+        value = min(power[q], OUTLIER * level[q])
+        if _near(tones, settings[Setting.LOW] + q * step, window, 0.0, 0.0):
+            value = max(
+                floor[Floor.NOISE, q], band
+            )  # there may be another tone, which is not noise
+        floor[Floor.NOISE, q] += (value - floor[Floor.NOISE, q]) * weight
 
 
 @njit
-def search(tones, settings, common, ring, floor, step):
-    """Look for new tones; the last sample of `ring` is the newest error.
-
-    `floor` (3, g): the noise floor, and the running means of P and P^2.
-    """
-    window, count = ring.shape[0], floor.shape[1]
-    pointer = int(common[POINTER])
-    power = np.empty(count)
-    level = np.empty(count)
-    least = max(settings[SMALLEST] ** 2 * window / 6.0, 1e-300)
-    calm = common[SEEN] - common[FRESH] >= window
-    fresh = calm and not np.any(tones[:, ON] > 0.0)
-    if calm:
-        common[TOP] = 0.0
-    lowest = 0.0
-    for _ in range(tones.shape[0]):
-        spectrum(ring, pointer, settings[LOW], step, power)
-        lowest = np.sort(power)[count // 4] / 0.2877
-        best = -1
-        top = max(least, common[TOP] / 16.0)
-        for q in range(1, count - 1):
-            if power[q] < max(power[q - 1], power[q + 1]):
-                continue
-            if power[q] > top and not _near(tones, settings[LOW] + q * step, window, 1.25, 0.75):
-                top = power[q]
-                best = q
-        if best < 0:
-            break
-        if top < CLEAR * max(lowest, floor[0, best]):
-            if not _steady(floor, best, lowest, common[HOPS]):
-                break
-            for q in range(max(best - 4, 0), min(best + 5, count)):
-                floor[0, q] = min(
-                    floor[0, q], lowest
-                )  # what was taken for noise there was the tone
-        i = _free(tones, top, window)
-        if i < 0:
-            break
-        a = math.log(power[best - 1] + 1e-300)
-        b = math.log(top)
-        c = math.log(power[best + 1] + 1e-300)
-        bend = a - 2.0 * b + c
-        shift = 0.5 * (a - c) / bend if bend < 0.0 else 0.0
-        _take(tones[i], ring, pointer, settings[LOW] + (best + shift) * step)
-        common[FRESH] = common[SEEN]
-        if fresh:
-            common[TROUBLE] = 0.0
-        common[TOP] = max(common[TOP], top)
-    # tones that settle hide the noise: the spectrum says little then, and is taken with a tenth of the weight
-    weight = 0.1 if common[SEEN] - common[FRESH] < window else 1.0
-    common[HOPS] = min(common[HOPS] + weight, 16.0 * HOPS_PER_WINDOW)
-    recent = weight / min(common[HOPS], STEADY_WINDOWS * HOPS_PER_WINDOW)
-    weight /= common[HOPS]
-    _levels(power, level)
+def _levels(power, out):
+    """Level of the noise around each point, from the lower quartile of its `AROUND` nearest points."""
+    count = power.shape[0]
+    size = min(AROUND, count)
+    rank = size // 4
+    kept = np.empty(rank + 1)
     for q in range(count):
-        floor[1, q] += (power[q] - floor[1, q]) * recent
-        floor[2, q] += (power[q] * power[q] - floor[2, q]) * recent
-        value = min(power[q], 8.0 * level[q])
-        if _near(tones, settings[LOW] + q * step, window, 0.0, 0.0):
-            value = max(floor[0, q], lowest)  # there may be another tone, which is not noise
-        floor[0, q] += (value - floor[0, q]) * weight
+        first = min(max(q - size // 2, 0), count - size)
+        filled = 0
+        for i in range(first, first + size):  # the rank + 1 smallest, in order
+            value = power[i]
+            if filled == rank + 1 and value >= kept[rank]:
+                continue
+            j = min(filled, rank)
+            while j > 0 and kept[j - 1] > value:
+                kept[j] = kept[j - 1]
+                j -= 1
+            kept[j] = value
+            filled = min(filled + 1, rank + 1)
+        out[q] = kept[rank] / QUARTILE
 
 
 def grid_size(low: float, high: float, window: int) -> int:

@@ -113,7 +113,7 @@ def test_stands_a_phase_error_of_50_degrees(make_isolator, make_loop, settings, 
 def test_a_model_of_the_wrong_sign_is_corrected(make_isolator, make_loop, settings, degrees):
     """Truth: the tone put in, 0 dB. The first attempt makes it louder and is taken back, for one pause of a second.
 
-    It taught how the plant answers at the tone; the next attempt cancels (-67 dB in the worst of three seeds).
+    It has shown how the plant answers at the tone; the next attempt cancels (-67 dB in the worst of three seeds).
     """
     rate, f = 200.0, 20.0
     true = make_isolator(rate)

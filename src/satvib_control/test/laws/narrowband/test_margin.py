@@ -7,9 +7,8 @@ import pytest
 import scipy.signal
 from satvib_common.phases import Phase
 from satvib_control.laws.base import LawInput
-from satvib_control.laws.narrowband import tracker as tt
 from satvib_control.laws.narrowband.margin import largest_sensitivity, margin_grid
-from satvib_control.laws.narrowband.model_correction import UNTAUGHT
+from satvib_control.laws.narrowband.memory import UNCORRECTED, Tone, Tracking
 from satvib_control.laws.registry import make_law
 from satvib_control.model_analysis.transfer import model_polynomials, respond
 from satvib_ident.models.iir_model import IirModel
@@ -46,9 +45,10 @@ def test_sensitivity_equals_the_observer_s_own_response(frequencies):
     grid = margin_grid(*model_polynomials(model))
     response = scipy.signal.freqz(q, 1.0, grid[:, 0])[1]
     want = np.abs(1.0 - (grid[:, 1] + 1j * grid[:, 2]) * response).max()
-    tones = np.zeros((len(omega), tt.TONE))
-    tones[:, tt.OMEGA], tones[:, tt.ON], tones[:, tt.PACE], tones[:, tt.FADE] = omega, 1, pace, 1
-    assert largest_sensitivity(tones, inverse, grid, UNTAUGHT) == pytest.approx(want, rel=1e-6)
+    tones = np.zeros((len(omega), len(Tone)))
+    tones[:, Tone.OMEGA], tones[:, Tone.PACE] = omega, pace
+    tones[:, Tone.ON] = tones[:, Tone.FADE] = 1.0
+    assert largest_sensitivity(tones, inverse, grid, UNCORRECTED) == pytest.approx(want, rel=1e-6)
 
 
 def test_grid_holds_the_resonance():
@@ -83,5 +83,5 @@ def test_margin_is_kept(settings, margin):
         _, state = plant(b, a, u, zi=state)
     assert law.state.sensitivity[0] <= 1.0 / margin
     assert law.tones()[0][0, 0] == pytest.approx(25.0, abs=0.02)
-    stretched = law._common[0, tt.STRETCH] > 1.0
+    stretched = law._memory.tracking[0, Tracking.STRETCH] > 1.0
     assert stretched == (margin > 1.0 / 4.5)

@@ -4,7 +4,7 @@
 
 import numpy as np
 import pytest
-from satvib_control.laws.narrowband import tracker as tt
+from satvib_control.laws.narrowband.memory import Setting, Tone, Tracking
 from satvib_control.laws.narrowband.tracker import begin, correct, predict
 
 RATE = 800.0
@@ -13,20 +13,20 @@ RATE = 800.0
 def track(signals, frequency, noise, amplitude=1.0, settling=0.1, memory=4.0, low=1.0, high=399.0):
     """Run the tracker, begun near the tone, on (samples, trials); gives frequencies (samples, trials) in Hz."""
     length, trials = signals.shape
-    settings = np.zeros(tt.SETTINGS)
-    settings[tt.WANTED], settings[tt.LONGEST] = settling * RATE, memory * RATE
-    settings[tt.LOW], settings[tt.HIGH] = np.array([low, high]) * 2.0 * np.pi / RATE
-    settings[tt.WINDOW] = 200.0
+    settings = np.zeros(len(Setting))
+    settings[Setting.PACE], settings[Setting.LONGEST] = settling * RATE, memory * RATE
+    settings[Setting.LOW], settings[Setting.HIGH] = np.array([low, high]) * 2.0 * np.pi / RATE
+    settings[Setting.WINDOW] = 200.0
     out = np.zeros((length, trials))
     for i in range(trials):
-        tones, common = np.zeros((1, tt.TONE)), np.zeros(tt.COMMON)
-        common[tt.STRETCH] = 1.0
+        tones, tracking = np.zeros((1, len(Tone))), np.zeros(len(Tracking))
+        tracking[Tracking.STRETCH] = 1.0
         floor = np.full(5, noise**2)
         begin(tones[0], (frequency + 0.3) * 2.0 * np.pi / RATE, 0.0, -amplitude)
         for k in range(length):
             e = signals[k, i] - predict(tones)
-            correct(tones, settings, common, floor, 1.0, e)
-            out[k, i] = tones[0, tt.OMEGA] * RATE / (2.0 * np.pi)
+            correct(tones, settings, tracking, floor, 1.0, e)
+            out[k, i] = tones[0, Tone.OMEGA] * RATE / (2.0 * np.pi)
     return out
 
 
