@@ -21,6 +21,7 @@ mpl.use('Agg')
 import matplotlib.pyplot as plt
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.levels import decibel
 from satvib_common.phases import Phase
 from satvib_control.laws.base import LawInput
 from satvib_control.laws.registry import make_law
@@ -153,7 +154,7 @@ def figure_sensitivity(folder: Path, plant: asp.Plant, model: IirModel) -> None:
             top += g * (k * first + np.conj(k) * second)
             bottom += g * (first + second - 2.0)
         s = np.abs(1.0 - response * top / bottom)
-        ax.plot(f, 20.0 * np.log10(s), label=', '.join(f'{x:g}' for x in tones) + ' Hz')
+        ax.plot(f, decibel(s), label=', '.join(f'{x:g}' for x in tones) + ' Hz')
     ax.axhline(0.0, color='grey', lw=0.8)
     ax.set(xlabel='frequency [Hz]', ylabel='|S| [dB]', ylim=(-45.0, 10.0))
     ax.grid(alpha=0.3)

@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 from model_phase import HEAD, ORDERS, RATES, Case, row
 from satvib_common.arrays import Array
-from satvib_experiment.analysis.levels import decibel, rms, tone_level
+from satvib_common.levels import decibel, rms
+from satvib_experiment.analysis.levels import tone_level
 from satvib_experiment.recording.signals import fine
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import simulate, simulate_open_loop

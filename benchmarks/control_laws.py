@@ -15,6 +15,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from satvib_common.arrays import Array, Complex
+from satvib_common.levels import decibel
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_control.laws.model_reference.rohrs import DT, UNSTABLE, simulate
 from satvib_control.model_analysis.dominant_mode import polarity
@@ -79,7 +80,7 @@ def reach() -> None:
     for rig, rate in REACH:
         model = strut_model(rig, rate)
         gain = best_gain(model)
-        s = -20.0 * np.log10(np.abs(1.0 + loop_response(model, gain, np.array([9.0, 10.0, 20.0]))))
+        s = -decibel(np.abs(1.0 + loop_response(model, gain, np.array([9.0, 10.0, 20.0]))))
         margin = margins(model, *leaky_integrator(CORNER, model.dt), gain)
         late = f'{float(margin.delay) * 1e3:.1f}' if np.isfinite(margin.delay) else '|L| < 1'
         figures = ' | '.join(f'{x:.1f}' for x in s)
@@ -192,7 +193,7 @@ def figure_reach(folder: Path) -> None:
         for rate, colour in zip(rates, COLOURS, strict=False):
             model = strut_model(rig, rate)
             f = np.geomspace(1.0, 0.499 / model.dt, 1500)
-            s = -20.0 * np.log10(np.abs(1.0 + loop_response(model, best_gain(model), f)))
+            s = -decibel(np.abs(1.0 + loop_response(model, best_gain(model), f)))
             ax.semilogx(f, s, color=colour, lw=1.3, label=f'{rate:.0f} Hz')
         ax.axhline(0.0, color='#444444', lw=0.8)
         ax.set(title=rig, xlabel='frequency [Hz]', ylim=(-40.0, 10.0))

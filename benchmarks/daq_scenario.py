@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from satvib_bringup.live.graph import Graph, Stage, graph_of
 from satvib_bringup.live.schedule_message import schedule_message
+from satvib_common.levels import decibel
 from satvib_common.phases import Phase
 from satvib_common.ros.qos import offered, wanted
 from satvib_experiment.analysis.levels import tone_level
@@ -172,7 +173,7 @@ def attenuations(scenario: Scenario, graph: Graph, kept: dict[str, Any]) -> dict
                 float(np.std([m.upper for k, m in measured.items() if first <= k < last]))
             )
         for kind, (before, after) in levels.items():
-            found[kind].append(20.0 * np.log10(after / before))
+            found[kind].append(float(decibel(after, before)))
     return found
 
 

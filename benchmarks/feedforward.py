@@ -19,6 +19,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
+from satvib_common.levels import decibel
 from satvib_control.laws.feedforward.wiener import (
     CoherenceBound,
     WienerOptimum,
@@ -143,7 +144,7 @@ def level(values: Array) -> Array:
 
 def worst(after: Array, before: Array) -> float:
     """Attenuation of the worst strut, dB."""
-    return float(20.0 * np.log10(np.max(level(after) / level(before))))
+    return float(decibel(np.max(level(after) / level(before))))
 
 
 def reach() -> str:
@@ -242,7 +243,7 @@ def figure(path: Path) -> None:
             (with_law.upper[w, 0], 'achieved by fxrls', '#D55E00'),
         ):
             ax.plot(
-                f, 20.0 * np.log10(spectrum(values, idle.dt)[1] / before), color=colour, lw=1.3,
+                f, decibel(spectrum(values, idle.dt)[1], before), color=colour, lw=1.3,
                 label=label,
             )  # fmt: skip
         ax.plot(

@@ -15,9 +15,10 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.levels import decibel
 from satvib_common.phases import Phase
 from satvib_control.laws.narrowband.model_correction import taps
-from satvib_experiment.analysis.levels import decibel, tone_level
+from satvib_experiment.analysis.levels import tone_level
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import ClosedLoop
 from satvib_ident.models.iir_model import IirModel

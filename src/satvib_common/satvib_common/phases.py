@@ -78,7 +78,7 @@ class PhasePlan:
                 return first
         return None
 
-    def handoff(self, sequence: int, period: int) -> bool:
+    def is_hand_over(self, sequence: int, period: int) -> bool:
         """Whether a controller takes the identified model of the sample before this one.
 
         That is at the first sample of every ADAPT and CONTROL after an IDENTIFY, and at every `period`-th sample

@@ -72,10 +72,10 @@ def test_phases_of_the_paper():
 
 def test_handover_samples():
     """Truth: the definition: phase changes to ADAPT and CONTROL, and every period after IDENTIFY began."""
-    assert [k for k in range(2500) if PAPER.handoff(k, 0)] == [300, 1000]
-    assert [k for k in range(420) if PAPER.handoff(k, 100)] == [200, 300, 400]
+    assert [k for k in range(2500) if PAPER.is_hand_over(k, 0)] == [300, 1000]
+    assert [k for k in range(420) if PAPER.is_hand_over(k, 100)] == [200, 300, 400]
     bare = PhasePlan((Phase.STANDBY, Phase.CONTROL), (0, 10))
-    assert not any(bare.handoff(k, 5) for k in range(100))
+    assert not any(bare.is_hand_over(k, 5) for k in range(100))
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.levels import decibel
 from satvib_common.phases import Phase
-from satvib_experiment.analysis.levels import decibel
 from satvib_experiment.analysis.tones import disturbance_onset
 from satvib_experiment.scenario.scenario import Scenario
 

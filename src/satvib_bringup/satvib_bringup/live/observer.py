@@ -19,6 +19,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
+from satvib_common.levels import decibel
 from satvib_common.phases import Phase
 from satvib_common.ros.qos import offered
 
@@ -116,7 +117,7 @@ class Observer:
                 self._quiet[strut] = state.upper_rms
             controlled = state.phase == Phase.CONTROL
             attenuation.append(
-                _decibels(state.upper_rms, self._quiet[strut]) if controlled else math.nan
+                float(decibel(state.upper_rms, self._quiet[strut])) if controlled else math.nan
             )
         newest = max(self._states.values(), key=lambda state: state.sequence)
         samples = int(newest.sequence) + 1
@@ -129,9 +130,3 @@ class Observer:
             attenuation=tuple(attenuation),
             speed=samples * self.graph.sample_period / elapsed,
         )
-
-
-def _decibels(value: float, reference: float) -> float:
-    if not (value > 0.0 and reference > 0.0):
-        return math.nan
-    return 20.0 * math.log10(value / reference)

@@ -34,14 +34,14 @@ class ExperimentNode(SatvibNode[ExperimentParameters]):
     def __init__(self) -> None:
         super().__init__('experiment', ExperimentParameters)
 
-    def make(self) -> None:
+    def configure(self) -> None:
         """Nothing runs yet."""
         self.goal: ExperimentGoal | None = None
         self.client: ServerGoalHandle | None = None
         self.over: Future = Future()
         self.told: Progress | None = None
 
-    def begin(self) -> None:
+    def activate(self) -> None:
         """Offer the action."""
         self.server = ActionServer(
             self,
@@ -52,7 +52,7 @@ class ExperimentNode(SatvibNode[ExperimentParameters]):
             cancel_callback=self._may_cancel,
         )
 
-    def end(self) -> None:
+    def deactivate(self) -> None:
         """End a run that goes on, and leave nothing behind."""
         if self.goal is not None:
             self.goal.cancel()

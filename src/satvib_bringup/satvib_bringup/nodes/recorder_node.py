@@ -33,7 +33,7 @@ class RecorderNode(SatvibNode[RecorderParameters]):
     def __init__(self) -> None:
         super().__init__('recorder', RecorderParameters)
 
-    def make(self) -> None:
+    def configure(self) -> None:
         """Open the bag."""
         p = self.parameters
         stamp = datetime.now().astimezone().strftime('%Y%m%d-%H%M%S')
@@ -44,7 +44,7 @@ class RecorderNode(SatvibNode[RecorderParameters]):
         self.early: list[tuple[Channel, bytes]] = []
         self.every(0.5, self.sink.check)
 
-    def begin(self) -> None:
+    def activate(self) -> None:
         """Listen to everything."""
         for name, kind in SHARED_TOPICS.items():
             # other people's nodes talk on /diagnostics too, and offer less
@@ -54,7 +54,7 @@ class RecorderNode(SatvibNode[RecorderParameters]):
         if not self.parameters.struts:
             self.listen_to(Schedule, 'schedule', self._on_schedule, wanted(whole=True))
 
-    def end(self) -> None:
+    def deactivate(self) -> None:
         """Close the bag and tell what is in it."""
         for channel, message in self.early:
             self.sink.put(channel, self.newest or time.time_ns(), message)

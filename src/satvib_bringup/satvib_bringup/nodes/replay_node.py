@@ -28,7 +28,7 @@ class ReplayNode(SatvibNode[ReplayParameters]):
     def __init__(self) -> None:
         super().__init__('replay', ReplayParameters)
 
-    def make(self) -> None:
+    def configure(self) -> None:
         """Read the record and offer the topics."""
         p = self.parameters
         self.record = load_record(p)
@@ -42,7 +42,7 @@ class ReplayNode(SatvibNode[ReplayParameters]):
         self.followed = -1
         self.began: float | None = None
 
-    def begin(self) -> None:
+    def activate(self) -> None:
         """Watch how far the identifier is."""
         topic = f'{self.parameters.strut}/identified_model'
         self.listen_to(IirParameters, topic, self._on_model, wanted(whole=False))

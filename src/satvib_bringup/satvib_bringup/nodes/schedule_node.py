@@ -44,7 +44,7 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
     def __init__(self) -> None:
         super().__init__('schedule', ScheduleParameters)
 
-    def make(self) -> None:
+    def configure(self) -> None:
         """Load the scenario."""
         p = self.parameters
         bag = Path('bag') if p.recorded else None
@@ -53,7 +53,7 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
         self.discovery = Discovery(self.graph, self, self.publisher)
         self.waits = False
 
-    def begin(self) -> None:
+    def activate(self) -> None:
         """Publish, or listen who is there."""
         self.waits = self.parameters.realtime
         self.deadline = time.monotonic() + _PATIENCE

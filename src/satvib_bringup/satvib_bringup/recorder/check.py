@@ -25,7 +25,7 @@ def expected_models(plan: PhasePlan, phases: frozenset[Phase], period: int) -> i
         phases: those in which the estimate is updated.
         period: samples between hand-overs.
     """
-    return sum(plan.at(k) in phases or plan.handoff(k + 1, period) for k in range(plan.end))
+    return sum(plan.at(k) in phases or plan.is_hand_over(k + 1, period) for k in range(plan.end))
 
 
 def read_report(folder: Path) -> dict[str, Any]:

@@ -2,16 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """The base of every satvib node: a lifecycle node whose parameters are one schema.
 
-    unconfigured --configure--> inactive --activate--> active
-                 `make`                  `begin`
-                 `discard`               `end`
+    unconfigured --`configure`--> inactive --`activate`--> active
+                 <---`cleanup`---          <-`deactivate`-
 
-A subclass makes its core and its publishers in `make` and its subscriptions in `begin`, so that an inactive node
-costs nothing and a late activation still gets the whole story. With `autostart` (the default) a node goes to active
-by itself.
+A subclass builds its core and its publishers in `configure`, and its subscriptions in `activate`. So an inactive node
+costs nothing, and a node that is activated late still receives everything. With `autostart` (the default) a node
+activates itself.
 
-Whatever ends a node goes through `finish`: the process's exit code and its last line. A callback is registered through
-`guarded`, so that a `SatvibError` or `RunError` in it ends the process with that one line and no traceback.
+Every end of a node goes through `finish`, which sets the exit code and the last line of the process. Callbacks are
+registered through `guarded`: a `SatvibError` or `RunError` in a callback ends the process with that one line and no
+traceback.
 """
 
 from collections.abc import Callable
@@ -56,7 +56,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         self.ended = False
         self.exit_code = 0
         self.last_line = ''
-        # the main loop waits on this one; a fresh one every time, for a future never forgets who waited
+        # the main loop waits on this one; it is new every time, because a future keeps all who have waited on it
         self.wake: Future = Future()
         self.configured = False
         self.active = False
@@ -72,17 +72,17 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
 
     # ---- what a subclass fills in
 
-    def make(self) -> None:
+    def configure(self) -> None:
         """Build the core and the publishers from `self.parameters`."""
 
-    def begin(self) -> None:
+    def activate(self) -> None:
         """Make the subscriptions and start."""
 
-    def end(self) -> None:
-        """Come to rest; the last chance to publish."""
+    def deactivate(self) -> None:
+        """Come to rest. Publishing is still possible."""
 
-    def discard(self) -> None:
-        """Let go of what `make` built."""
+    def cleanup(self) -> None:
+        """Release what `configure` built."""
 
     def changed(self, parameters: P) -> None:
         """Take a new, valid set of parameters."""
@@ -92,11 +92,11 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         return 'nothing to stop'
 
     def reset(self) -> str:
-        """Release latched faults and begin anew; gives what was done."""
+        """Release latched faults and start again; gives what was done."""
         return 'nothing to reset'
 
     def diagnose(self) -> tuple[str, dict[str, Any]]:
-        """Give a complaint (empty when all is well) and figures for people."""
+        """Give a complaint (empty when there is none) and figures for people."""
         return '', {}
 
     def tick(self) -> float:
@@ -127,7 +127,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         return shared(self.get_namespace(), topic)
 
     def publish_on(self, kind: Any, topic: str, qos: QoSProfile | None = None) -> Publisher:
-        """Make a publisher that lives until `discard`."""
+        """Make a publisher that lives until `cleanup`."""
         publisher = self.create_lifecycle_publisher(
             kind, topic, qos or offered(), qos_overriding_options=overridable()
         )
@@ -171,7 +171,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         return call
 
     def guarded_call(self, callback: Callable[[], None]) -> Callable[[], None]:
-        """Do the same for a callback without a message."""
+        """Guard a callback without a message in the same way."""
 
         def call() -> None:
             try:
@@ -182,7 +182,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         return call
 
     def finish(self, line: str = '', code: int = 0) -> None:
-        """End the process; the first reason given is the one that is told."""
+        """End the process; the first reason given is the one that is shown."""
         if not self.ended:
             self.ended = True
             self.exit_code = code
@@ -207,7 +207,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         self.finish(str(error), 2 if isinstance(error, SatvibError) else 1)
 
     def sources_left(self) -> bool:
-        """Whether anybody still publishes what this node reads."""
+        """Whether any node still publishes what this node reads."""
         return any(reader.get_publisher_count() > 0 for reader in self._readers)
 
     def writers(self) -> list[Publisher]:
@@ -217,10 +217,10 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
     # ---- lifecycle
 
     def start(self) -> None:
-        """Configure and activate, as `autostart` asks.
+        """Configure and activate; `autostart` asks for it.
 
         Raises:
-            SatvibError, RunError: what `make` or `begin` raised.
+            SatvibError, RunError: what `configure` or `activate` raised.
         """
         for transition in (self.trigger_configure, self.trigger_activate):
             if transition() != TransitionCallbackReturn.SUCCESS:
@@ -228,39 +228,39 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Build."""
-        result = self._transition(self._configure, super().on_configure, state)
+        result = self._transition(self._build, super().on_configure, state)
         if result == TransitionCallbackReturn.FAILURE:
-            self._let_go()
+            self._release()
         return result
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Start; publishers first, so that `begin` may publish."""
+        """Start. Publishers are active first, so `activate` may publish."""
         result = super().on_activate(state)
         if result != TransitionCallbackReturn.SUCCESS:
             return result
         self.active = True
-        return self._transition(self.begin, None, state)
+        return self._transition(self.activate, None, state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Come to rest; publishers last."""
+        """Come to rest. Publishers become inactive last."""
         return self._transition(self._rest, super().on_deactivate, state)
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Let go."""
-        return self._transition(self._let_go, super().on_cleanup, state)
+        """Release everything."""
+        return self._transition(self._release, super().on_cleanup, state)
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Come to rest, let go, and end the process."""
+        """Come to rest, release everything and end the process."""
         if self.active:
             self._transition(self._rest, super().on_deactivate, state)
-        result = self._transition(self._let_go, super().on_shutdown, state)
+        result = self._transition(self._release, super().on_shutdown, state)
         self.finish('shut down')
         return result
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Go back to unconfigured, so that it can be tried again."""
+        """Return to unconfigured, so that `configure` can be tried again."""
         self.active = False
-        self._let_go()
+        self._release()
         return super().on_error(state)
 
     def _transition(
@@ -275,15 +275,15 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
                 self.get_logger().error(str(error))
             return TransitionCallbackReturn.FAILURE
         except Exception as error:
-            # rclpy would swallow it: keep it for `start`, and say it when a tool asked for the transition
+            # rclpy does not pass it on: keep it for `start`, and log it when a tool asked for the transition
             self.failure = error
             if not self.autostart:
                 self.get_logger().error(f'{type(error).__name__}: {error}')
             raise
         return then(state) if then else TransitionCallbackReturn.SUCCESS
 
-    def _configure(self) -> None:
-        self.make()
+    def _build(self) -> None:
+        self.configure()
         self.configured = True
         self.offer('stop')
         self.offer('reset')
@@ -292,15 +292,15 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
 
     def _rest(self) -> None:
         if self.active:
-            self.end()
+            self.deactivate()
         self.active = False
         for reader in self._readers:
             self.destroy_subscription(reader)
         self._readers.clear()
 
-    def _let_go(self) -> None:
+    def _release(self) -> None:
         if self.configured:
-            self.discard()
+            self.cleanup()
             self._diagnostics.close()
         self.configured = False
         for timer in self._timers_made:
@@ -328,11 +328,11 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
 
     def _report(self) -> None:
         complaint, figures = self.diagnose()
-        self._diagnostics.publish(self.active, complaint, figures | self._company())
+        self._diagnostics.publish(self.active, complaint, figures | self._connections())
         tidy_memory()
 
-    def _company(self) -> dict[str, object]:
-        """Whom this node's own publishers and subscriptions have found, which the graph knows before them."""
+    def _connections(self) -> dict[str, object]:
+        """Count the readers and writers that are connected; the graph lists them before they are."""
         readers = {READERS_OF + w.topic_name: w.get_subscription_count() for w in self._writers}
         writers = {WRITERS_OF + r.topic_name: r.get_publisher_count() for r in self._readers}
         return readers | writers

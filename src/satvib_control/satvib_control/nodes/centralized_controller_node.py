@@ -29,7 +29,7 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
     def __init__(self) -> None:
         super().__init__('centralized_controller', CentralizedParameters)
 
-    def make(self) -> None:
+    def configure(self) -> None:
         """Build the core and the queue of whole samples."""
         p = self.parameters
         self.names = [f'strut_{i + 1}' for i in range(p.struts)]
@@ -40,7 +40,7 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
         self.gathering: Gathering[StrutAcceleration] = Gathering(p.struts)
         self.waiting: deque[tuple[int, list[StrutAcceleration]]] = deque()
 
-    def begin(self) -> None:
+    def activate(self) -> None:
         """Listen to all struts and to the schedule."""
         qos = wanted(whole=self.parameters.lockstep)
         self.listen_to(Schedule, 'schedule', self.on_schedule, wanted(whole=True))

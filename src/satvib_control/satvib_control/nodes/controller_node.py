@@ -63,7 +63,7 @@ class ControllerNode(SatvibNode[P]):
         if self.plan is not None or not self.parameters.lockstep:
             self.work(self.plan or _STANDBY)
 
-    def end(self) -> None:
+    def deactivate(self) -> None:
         """Leave the struts at 0 V, unless the run is over anyway."""
         last = self.last
         over = self.plan is not None and last is not None and last.sequence == self.plan.end - 1

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The models that wait for their hand-over sample.
 
-At hand-over sample k (see `PhasePlan.handoff`) a controller takes the model of sample k - 1. In lockstep it waits for
-that very model, so that no timing changes a bit; otherwise it takes the newest that is there. A controller that joins a
-run at a later sample takes the newest model once, for the hand-overs before it are gone.
+At hand-over sample k (see `PhasePlan.is_hand_over`) a controller takes the model of sample k - 1. In lockstep it waits
+for that very model, so that no timing changes a bit; otherwise it takes the newest that is there. A controller that
+joins a run at a later sample takes the newest model once, because the hand-overs before it are gone.
 """
 
 from collections import deque
@@ -37,7 +37,7 @@ class ModelQueue(Generic[M]):
             self._model_restarts += 1
         if self._models and self._joined and plan is not None:
             last = self._models[-1][0]
-            if not plan.handoff(last + 1, self.period):
+            if not plan.is_hand_over(last + 1, self.period):
                 self._models.pop()
         self._models.append((sequence, model))
 
@@ -55,7 +55,7 @@ class ModelQueue(Generic[M]):
 
     def take(self, k: int, plan: PhasePlan) -> tuple[bool, M | None]:
         """Whether sample k may be worked on, and the model that it takes, if any."""
-        due = plan.handoff(k, self.period)
+        due = plan.is_hand_over(k, self.period)
         if self._joined and not due:
             return True, None
         newest: tuple[int, M] | None = None

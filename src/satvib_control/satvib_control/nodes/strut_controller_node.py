@@ -29,7 +29,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
     def __init__(self) -> None:
         super().__init__('strut_controller', ControllerParameters)
 
-    def make(self) -> None:
+    def configure(self) -> None:
         """Build the core and the queues."""
         p = self.parameters
         self.serve(ControllerCore(p), [((), '')])
@@ -37,7 +37,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         self.models: ModelQueue[IirParameters] = ModelQueue(p.model_period, wait=p.lockstep)
         self.tracker = SequenceTracker()
 
-    def begin(self) -> None:
+    def activate(self) -> None:
         """Listen to the strut and to the schedule."""
         qos = wanted(whole=self.parameters.lockstep)
         self.listen_to(Schedule, self.shared('schedule'), self.on_schedule, wanted(whole=True))

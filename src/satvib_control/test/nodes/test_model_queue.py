@@ -15,7 +15,7 @@ PERIOD = 7
 
 def published(k):
     """The samples after which the identifier publishes."""
-    return PLAN.at(k) == Phase.IDENTIFY or PLAN.handoff(k + 1, PERIOD)
+    return PLAN.at(k) == Phase.IDENTIFY or PLAN.is_hand_over(k + 1, PERIOD)
 
 
 @given(st.lists(st.integers(0, 9), min_size=200, max_size=200))
@@ -39,7 +39,7 @@ def test_in_lockstep_every_delay_gives_the_same_models(delays):
         if published(k):
             waiting.append(k)
         k += 1
-    assert taken == {k: k - 1 for k in range(PLAN.end) if PLAN.handoff(k, PERIOD)}
+    assert taken == {k: k - 1 for k in range(PLAN.end) if PLAN.is_hand_over(k, PERIOD)}
 
 
 def test_in_real_time_the_newest_is_taken_and_nobody_waits():

@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 from satvib_common.errors import SatvibError
+from satvib_common.realtime import set_priority, set_processor
 
 from satvib_daq_bridge.back_ends import make_back_end
 from satvib_daq_bridge.back_ends.base import BackEnd, BackEndError, EndOfRecordError, Reading
@@ -244,17 +245,9 @@ def set_up(given: dict[str, Any], bridge: line.Line) -> Guardian:
 
 def schedule(cpu: int, priority: int) -> list[str]:
     """Ask for a processor and SCHED_FIFO; gives what was not permitted."""
-    refused = []
-    try:
-        if cpu >= 0:
-            os.sched_setaffinity(0, {cpu})
-    except OSError as error:
-        refused.append(f'cpu {cpu}: not possible here ({error.strerror})')
-    try:
-        if priority > 0:
-            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
-    except OSError as error:
-        refused.append(f'priority {priority}: not permitted ({error.strerror})')
+    refused: list[str] = []
+    set_processor(cpu, refused.append)
+    set_priority(priority, refused.append)
     return refused
 
 

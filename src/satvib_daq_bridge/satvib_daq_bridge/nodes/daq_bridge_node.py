@@ -42,7 +42,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         assert self.session is not None
         return self.session.bridge
 
-    def make(self) -> None:
+    def configure(self) -> None:
         """Open the devices at 0 V and begin to read."""
         p = self.parameters
         self.session = Session(p, self._ring, self.transitions.append, self.latched)
@@ -57,19 +57,19 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         for what in ('arm', 'estop', 'calibrate'):
             self.offer(what)
 
-    def begin(self) -> None:
+    def activate(self) -> None:
         """Listen to the controllers and to the schedule."""
         self.listen_to(Schedule, 'schedule', self._on_schedule, wanted(whole=True))
         for i, name in enumerate(self.bridge.struts):
             qos = wanted(whole=self.bridge.virtual)
             self.listen_to(VcaVoltage, f'{name}/voltage', partial(self._on_voltage, i), qos)
 
-    def end(self) -> None:
+    def deactivate(self) -> None:
         """Leave the outputs at 0 V."""
         self.bridge.states.stop('deactivated')
         self._tell_transitions()
 
-    def discard(self) -> None:
+    def cleanup(self) -> None:
         """Let the guardian go, at 0 V; a latched fault is kept in mind."""
         if self.session is not None:
             self.session.close('cleaned up')

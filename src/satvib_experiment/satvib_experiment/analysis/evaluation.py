@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.arrays import Array
+from satvib_common.levels import decibel, rms
 from satvib_common.phases import Phase
 
-from satvib_experiment.analysis.levels import decibel, moving_rms, rms, tone_floor, tone_level
+from satvib_experiment.analysis.levels import moving_rms, tone_floor, tone_level
 from satvib_experiment.analysis.tones import disturbance_onset, disturbance_tones
 from satvib_experiment.analysis.windows import Span, Windows, find_windows
 from satvib_experiment.recording.recording import Recording

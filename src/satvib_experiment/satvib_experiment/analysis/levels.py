@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Levels of a vibration: root mean square, amplitude of tones, spectrum, and their ratio in dB (Eq. 42).
+"""Levels of a vibration: amplitude of tones, running RMS, spectrum. The ratio in dB is `satvib_common.levels.decibel`.
 
     attenuation = 20 log10(x1 / x2)                                              (42)
 
@@ -13,23 +13,6 @@ from collections.abc import Sequence
 import numpy as np
 from satvib_common.arrays import Array
 from scipy.signal import welch
-
-
-def decibel(level: Array, baseline: Array) -> Array:
-    """Ratio of two levels in dB, Eq. (42); NaN where either is not positive."""
-    with np.errstate(divide='ignore', invalid='ignore'):
-        ratio = np.asarray(level, dtype=float) / np.asarray(baseline, dtype=float)
-        result: Array = 20.0 * np.log10(np.where((ratio > 0) & np.isfinite(ratio), ratio, np.nan))
-    return result
-
-
-def rms(signal: Array) -> Array:
-    """RMS without the mean over the first axis; (samples, ...) gives (...). NaN samples are left out."""
-    count = np.sum(np.isfinite(signal), axis=0)
-    with np.errstate(divide='ignore', invalid='ignore'):
-        mean = np.nansum(signal, axis=0) / count
-        result: Array = np.sqrt(np.nansum((signal - mean) ** 2, axis=0) / count)
-    return result
 
 
 def tone_amplitudes(signal: Array, dt: float, frequencies: Sequence[float]) -> Array:

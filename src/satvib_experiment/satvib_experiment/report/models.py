@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array, Complex
 from satvib_common.errors import SatvibError
+from satvib_common.levels import decibel
 from satvib_common.phases import Phase
 from satvib_ident.models.iir_model import IirModel
 
@@ -117,11 +118,10 @@ def response_errors(context: Context, strut: int) -> list[dict[str, float]]:
         return []
     ratio = model.frequency_response(tones) / true_response(context, strut, tones)
     return [
-        {'frequency': float(f), 'phase': float(np.degrees(np.angle(r))), 'magnitude': decibels(r)}
+        {
+            'frequency': float(f),
+            'phase': float(np.degrees(np.angle(r))),
+            'magnitude': float(decibel(abs(r))),
+        }
         for f, r in zip(tones, ratio, strict=True)
     ]
-
-
-def decibels(ratio: complex) -> float:
-    """Magnitude of a ratio in dB; NaN for nothing."""
-    return float(20.0 * np.log10(abs(ratio))) if abs(ratio) > 0.0 else float('nan')

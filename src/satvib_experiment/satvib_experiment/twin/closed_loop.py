@@ -6,7 +6,7 @@ It drives the very cores that the nodes drive, in the order that the graph's loc
 
     for k in range(plan.end):
         sample = plant.sample()
-        if plan.handoff(k, model_period): controller.set_model(model stamped k - 1)
+        if plan.is_hand_over(k, model_period): controller.set_model(model stamped k - 1)
         output = controller.step(k, plan, sample.upper, sample.lower)
         identification = identifier.step(k, phase, sample.upper, u(k - delay))
         truth  = plant.advance(output.voltage)
@@ -118,7 +118,7 @@ class ClosedLoop:
         for k in range(self.plan.end):
             phase = self.plan.at(k)
             sample = self.plant.sample()
-            if identification is not None and self.plan.handoff(k, self.model_period):
+            if identification is not None and self.plan.is_hand_over(k, self.model_period):
                 self.controller.set_model(
                     identification.model(),
                     identification.converged,

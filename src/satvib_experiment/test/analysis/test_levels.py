@@ -7,9 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from satvib_experiment.analysis.levels import (
-    decibel,
     moving_rms,
-    rms,
     spectrum,
     tone_amplitudes,
     tone_floor,
@@ -18,19 +16,6 @@ from satvib_experiment.analysis.levels import (
 
 DT = 0.01
 T = np.arange(1000) * DT
-
-
-def test_rms_of_a_sine_without_its_offset():
-    """Closed form: A / sqrt(2) over whole periods, whatever the offset; rounding only."""
-    signal = np.stack([3.0 * np.sin(2 * np.pi * 10 * T) + 7.0, np.cos(2 * np.pi * 4 * T)], axis=1)
-    np.testing.assert_allclose(rms(signal), [3.0 / np.sqrt(2), 1 / np.sqrt(2)], rtol=1e-12)
-
-
-def test_rms_leaves_missing_samples_out():
-    """Closed form: the RMS of +-1 is 1."""
-    signal = np.where(np.arange(100) % 2, 1.0, -1.0)
-    signal[[10, 11, 50, 51]] = np.nan
-    assert rms(signal) == pytest.approx(1.0, abs=1e-12)
 
 
 @given(st.floats(0.5, 49.0), st.floats(1e-6, 1e3), st.floats(0, 6.3), st.floats(-50, 50))
@@ -63,16 +48,6 @@ def test_the_floor_of_a_tone_is_what_white_noise_gives():
     noise = np.random.default_rng([1, 99]).standard_normal((500, 4000)) * 0.3
     found = tone_amplitudes(noise, DT, [10.0])[0]
     assert np.sqrt(np.mean(found**2)) == pytest.approx(tone_floor(0.3, 500, 1), rel=0.05)
-
-
-def test_decibels():
-    """Eq. (42): ten times less is -20 dB; nothing is claimed about nothing."""
-    np.testing.assert_allclose(
-        decibel(np.array([0.1, 2.0]), np.array([1.0, 1.0])), [-20, 6.0206], rtol=1e-5
-    )
-    assert np.isnan(decibel(np.array(0.0), np.array(1.0)))
-    assert np.isnan(decibel(np.array(1.0), np.array(0.0)))
-    assert np.isnan(decibel(np.array(np.nan), np.array(1.0)))
 
 
 def test_moving_rms_against_a_plain_loop():

@@ -75,4 +75,4 @@ def test_the_model_changes_hands_at_stated_samples_only(quick_run, quick):
     bound = quick_run.get('state', 'ki_max')
     changed = np.flatnonzero(np.any(np.diff(np.nan_to_num(bound), axis=0) != 0.0, axis=1)) + 1
     assert len(changed) > 0
-    assert all(quick_run.plan.handoff(int(k), quick.model_period) for k in changed)
+    assert all(quick_run.plan.is_hand_over(int(k), quick.model_period) for k in changed)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.levels import rms_with_mean
 from satvib_common.schema import param
 
 from satvib_ident.excitation.periodic import PeriodicExcitation
@@ -27,5 +28,5 @@ class BandRandom(PeriodicExcitation):
         lines = self.lines
         spectrum[lines] = generator.normal(size=lines.size) + 1j * generator.normal(size=lines.size)
         signal = np.fft.irfft(spectrum, self.count)
-        limit = 3.0 * float(np.sqrt(np.mean(signal * signal)))
+        limit = 3.0 * float(rms_with_mean(signal))
         return np.asarray(np.clip(signal, -limit, limit))

@@ -31,7 +31,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
     def __init__(self) -> None:
         super().__init__('strut_identifier', IdentifierParameters)
 
-    def make(self) -> None:
+    def configure(self) -> None:
         """Build the core and the message that is refilled."""
         p = self.parameters
         self.core = IdentifierCore(p)
@@ -41,7 +41,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self.message = IirParameters(sample_period=p.dt, delay=p.delay)
         self.publisher = self.publish_on(IirParameters, 'identified_model')
 
-    def begin(self) -> None:
+    def activate(self) -> None:
         """Listen to the strut and to the schedule."""
         qos = wanted(whole=self.parameters.lockstep)
         self.listen_to(Schedule, self.shared('schedule'), self._on_schedule, wanted(whole=True))
@@ -54,7 +54,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         if plan is None or last is None or not self.parameters.lockstep:
             return 0.0
         period = self.parameters.model_period
-        near = any(plan.handoff(k, period) for k in range(last, last + _NEAR))
+        near = any(plan.is_hand_over(k, period) for k in range(last, last + _NEAR))
         return 0.0 if near else _GATHER
 
     def reset(self) -> str:
@@ -100,7 +100,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         k, p = sample.sequence, self.parameters
         phase = Phase.STANDBY if self.plan is None else self.plan.at(k)
         found = self.core.step(k, phase, np.asarray(sample.upper), np.asarray(voltage))
-        handed = self.plan is not None and self.plan.handoff(k + 1, p.model_period)
+        handed = self.plan is not None and self.plan.is_hand_over(k + 1, p.model_period)
         if phase in self.phases or handed:
             self._publish(sample, found)
 

@@ -37,7 +37,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
     def __init__(self) -> None:
         super().__init__('plant_sim', PlantParameters)
 
-    def make(self) -> None:
+    def configure(self) -> None:
         """Build the plant and a set of publishers per strut."""
         p = self.parameters
         self.plant = plant = p.make_plant()
@@ -62,11 +62,11 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.published_at = 0.0
         self.every(0.1, self._watch)
 
-    def discard(self) -> None:
+    def cleanup(self) -> None:
         """Let go of the clock."""
         self.destroy_publisher(self.clock_out)
 
-    def begin(self) -> None:
+    def activate(self) -> None:
         """Listen; begin with the schedule, or at once."""
         whole = wanted(whole=self.parameters.lockstep)
         self.listen_to(Schedule, 'schedule', self._on_schedule, wanted(whole=True))

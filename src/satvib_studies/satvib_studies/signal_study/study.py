@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
+from satvib_common.levels import rms_with_mean
 from satvib_common.phases import Phase
 from satvib_common.schema import Schema, param
 from satvib_ident.excitation import Excitation, make_excitation
@@ -183,8 +184,8 @@ def _run_case(settings: StudySettings, plant: IirModel, name: str, case: str) ->
         signal=name,
         case=case,
         bias=np.mean(error, axis=0),
-        rms=np.sqrt(np.mean(error * error, axis=0)),
-        response=float(np.sqrt(np.mean(response * response))),
+        rms=rms_with_mean(error),
+        response=float(rms_with_mean(response)),
         order=int(found.excitation_order[0]),
         condition=float(np.median(found.information_condition)),
         trusted=float(np.mean(found.converged)),

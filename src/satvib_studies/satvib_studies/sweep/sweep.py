@@ -170,8 +170,8 @@ def load_sweep(name_or_path: str | Path, overrides: list[str] | None = None) -> 
 
 def run_cell(cell: Cell) -> dict[str, Any]:
     """Run one cell and give its row: per strut in dB (NaN is None), the worst strut, and what the laws said."""
+    from satvib_common.levels import decibel
     from satvib_experiment.analysis.analysis import analyse
-    from satvib_experiment.analysis.levels import decibel
     from satvib_experiment.twin.closed_loop import simulate
 
     recording = simulate(cell.scenario)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.levels import decibel
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_control.laws.centralized.geometry import mode_matrix, strut_matrix
 from satvib_plant_sim.responses.all_struts import rig_response
@@ -67,7 +68,7 @@ def draw(found: Tuned, path: Path) -> None:
                     plant, gains.reshape(3, -1), found.settings.cost.corner, frequency
                 )[:, 0]
                 right.plot(
-                    frequency, 20.0 * np.log10(w), color=color, lw=1.5 if i == 0 else 0.5,
+                    frequency, decibel(w), color=color, lw=1.5 if i == 0 else 0.5,
                     alpha=1.0 if i == 0 else 0.5, label=label if i == 0 else None,
                 )  # fmt: skip
         right.set_xscale('log')

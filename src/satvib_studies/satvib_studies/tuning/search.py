@@ -20,6 +20,7 @@ import numpy as np
 import yaml
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
+from satvib_common.levels import decibel
 from satvib_common.schema import Schema, load_yaml, param, parse_yaml
 from satvib_plant_sim.disturbance import Disturbance, make_disturbance
 from satvib_plant_sim.rig.rig import Rig
@@ -64,7 +65,7 @@ class Tuned:
         """RMS of all modes against 0 V, plant by plant (plants,), dB."""
         still = self.cost.figures(np.zeros((1, self.cost.size)))[0]
         moved = self.cost.figures(gains[None])[0]
-        found: Array = 20.0 * np.log10(self.cost.level(moved) / self.cost.level(still))
+        found: Array = decibel(self.cost.level(moved), self.cost.level(still))
         return found
 
     def centralized(self, gains: Array | None = None) -> dict[str, Any]:

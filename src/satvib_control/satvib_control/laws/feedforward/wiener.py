@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
+from satvib_common.levels import decibel, rms_with_mean
 
 from satvib_control.laws.feedforward.regressor_kernel import (
     Contents,
@@ -161,7 +162,9 @@ def wiener_optimum(
     weights = np.linalg.lstsq(rows, -np.concatenate([aim, np.zeros(size)]), rcond=None)[0]
     voltage = phi[judge] @ weights
     found = [_decibel(d[part] + through[part] @ weights, d[part]) for part in (judge, fit)]
-    return WienerOptimum(weights, found[0], found[1], _rms(voltage), float(np.abs(voltage).max()))
+    return WienerOptimum(
+        weights, found[0], found[1], float(rms_with_mean(voltage)), float(np.abs(voltage).max())
+    )
 
 
 def wiener_from_spectra(
@@ -232,9 +235,6 @@ def coherence_bound(
     return CoherenceBound(frequency, coherence, 10.0 * np.log10(left), total, blocks)
 
 
-def _rms(x: Array) -> float:
-    return float(np.sqrt((x * x).mean()))
-
-
 def _decibel(after: Array, before: Array) -> float:
-    return 20.0 * math.log10(max(_rms(after), 1e-300) / max(_rms(before), 1e-300))
+    levels = [max(float(rms_with_mean(x)), 1e-300) for x in (after, before)]
+    return float(decibel(*levels))

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.arrays import Array, Integers
+from satvib_common.levels import decibel
 from satvib_common.phases import Phase
 from satvib_control.laws.reasons import text_of
 from satvib_experiment.analysis.tones import disturbance_onset, disturbance_tones
@@ -22,7 +23,6 @@ from satvib_experiment.recording.recording import Recording
 
 from satvib_studies.campaign.measures.metrics_kernel import (
     add_sample,
-    decibel,
     fingerprint,
     rms_level,
     tone_level,

@@ -159,14 +159,6 @@ def rms_level(tones, sums, gram, level):
         level[0] = math.sqrt(max(sums[1] / count - mean * mean, 0.0))
 
 
-@kernel('void(f8,f8,f8[:])', '(),()->()')
-def decibel(level, baseline, ratio):
-    """20 log10 of a ratio of levels; NaN where either is not positive."""
-    ratio[0] = math.nan
-    if level > 0.0 and baseline > 0.0 and math.isfinite(level / baseline):
-        ratio[0] = 20.0 * math.log10(level / baseline)
-
-
 @kernel('void(u8[:],u8,u8[:])', '(n),()->()')
 def fingerprint(bits, before, after):
     """Carry a fingerprint on over the bits of a sample's voltages (FNV-1a over 64-bit words)."""
