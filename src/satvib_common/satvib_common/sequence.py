@@ -1,12 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What arrives out of step: gaps, repeats and restarts of the sample index."""
+"""How a sample follows the one before: next, after a gap, repeated, or the first of a new run.
+
+A node classifies each sample once, when it arrives, and hands the result on with the sample.
+"""
 
 from enum import Enum
 
 
 class Arrival(Enum):
-    """How a sample stands to the one before."""
+    """How a sample follows the one before."""
 
     FIRST = 'first'
     NEXT = 'next'
@@ -18,8 +21,12 @@ class Arrival(Enum):
 class SequenceTracker:
     """Follows the `sequence` of one source.
 
-    A sample that is older by no more than `repeat_window` is a repeat, to be ignored; one that is older than that means
-    that the source has started anew.
+    A sample that is older than the last one by at most `repeat_window` is a repeat, and is to be ignored. A sample that
+    is older than that means that the source has started again.
+
+    Attributes:
+        last: the newest sequence, None before the first.
+        lost, repeats, restarts: counts of samples that are missing, of repeats and of restarts.
     """
 
     def __init__(self, repeat_window: int = 100) -> None:
@@ -29,7 +36,7 @@ class SequenceTracker:
         self.repeats = 0
         self.restarts = 0
 
-    def see(self, sequence: int) -> Arrival:
+    def classify(self, sequence: int) -> Arrival:
         """Classify a sample and count it."""
         last, self.last = self.last, sequence
         if last is None:

@@ -94,7 +94,7 @@ def test_a_plan_out_of_order_is_refused(phases, first, end, message):
 
 def test_sequence_tracker():
     tracker = SequenceTracker()
-    seen = [tracker.see(k) for k in (5, 6, 9, 9, 8, 10, 0, 1)]
+    seen = [tracker.classify(k) for k in (5, 6, 9, 9, 8, 10, 0, 1)]
     assert seen == [
         Arrival.FIRST, Arrival.NEXT, Arrival.GAP, Arrival.REPEAT, Arrival.REPEAT, Arrival.NEXT,
         Arrival.RESTART, Arrival.NEXT,

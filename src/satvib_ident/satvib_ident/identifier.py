@@ -169,7 +169,14 @@ class IdentifierCore:
             'updates refused': self.estimator.refused,
         }
 
-    def step(self, k: int, phase: Phase, upper: Array, voltage: Array) -> Identification:
+    def step(
+        self,
+        k: int,
+        phase: Phase,
+        upper: Array,
+        voltage: Array,
+        arrival: Arrival | None = None,
+    ) -> Identification:
         """Take one sample.
 
         Args:
@@ -177,12 +184,14 @@ class IdentifierCore:
             phase: the phase of that sample.
             upper: (shape) y(k), m/s^2 as measured; NaN: not measured.
             voltage: (shape) u(k - delay), V, as the guard let it out; NaN: not known.
+            arrival: how k follows the sample before; None: it is found here.
 
         Returns:
             What is known now. A repeated sample changes nothing and gives the last answer again.
         """
         upper, voltage = np.asarray(upper, dtype=float), np.asarray(voltage, dtype=float)
-        arrival = self.tracker.see(k)
+        if arrival is None:
+            arrival = self.tracker.classify(k)
         if arrival is Arrival.REPEAT and self._last is not None:
             return self._last
         if arrival is Arrival.RESTART:

@@ -73,7 +73,7 @@ class Topic:
         """Count a message of a sample."""
         if self.first is None:
             self.first = sequence
-        self.sequence.see(sequence)
+        self.sequence.classify(sequence)
         self.count += 1
 
     def report(self) -> dict[str, Any]:

@@ -65,6 +65,7 @@ class ControllerCore:
         self._signals = StrutSignals(
             p.excitation, p.excitation_amplitude, p.excitation_frequencies, p, shape
         )
+        self._tracker = SequenceTracker()
         self._begin()
 
     def _begin(self) -> None:
@@ -75,7 +76,7 @@ class ControllerCore:
         self.calibration_lower = BiasCalibration(shape)
         self.watch = DivergenceWatch(p, self.dt, shape)
         self._rms = MovingRms(max(round(p.rms_window * p.sample_rate), 1), shape)
-        self._tracker = SequenceTracker()
+        self._missed = 0
         self._zero = np.zeros(shape)
         self._nobody = np.zeros(shape, dtype=bool)
         self._no_reason = np.zeros(shape, dtype=np.int64)
@@ -142,17 +143,32 @@ class ControllerCore:
         self._lost = np.zeros(self.shape, dtype=np.int64)
         self._fault_reason = np.zeros(self.shape, dtype=np.int64)
 
-    def step(self, k: int, plan: PhasePlan, upper: ArrayLike, lower: ArrayLike) -> ControllerOutput:
+    def step(
+        self,
+        k: int,
+        plan: PhasePlan,
+        upper: ArrayLike,
+        lower: ArrayLike,
+        arrival: Arrival | None = None,
+    ) -> ControllerOutput:
         """Take sample k of both sensors (shape, m/s^2, as measured) and give the voltage.
 
         A repeated sample gives the answer that it got before.
+
+        Args:
+            k: sequence of the sample.
+            plan: the phases.
+            upper, lower: (shape) m/s^2 as measured; NaN: not measured.
+            arrival: how k follows the sample before; None: it is found here.
         """
-        arrival = self._tracker.see(k)
+        if arrival is None:
+            arrival = self._tracker.classify(k)
         if arrival is Arrival.REPEAT and self._last is not None:
             return self._last
         if arrival is Arrival.RESTART:
             self._begin()
-            self._tracker.see(k)
+        elif arrival is Arrival.GAP and self._last is not None:
+            self._missed += k - self._last.sequence - 1
         p, phase = self.parameters, plan.at(k)
         upper, lower = np.asarray(upper, dtype=float), np.asarray(lower, dtype=float)
         valid = np.isfinite(upper)
@@ -215,7 +231,7 @@ class ControllerCore:
         self._last = ControllerOutput(
             k, phase, p.law, guarded.voltage, demand, guarded.saturated, guarded.fault,
             state.copy(), reference, self._rms.add(clean), self.calibration_upper.mean,
-            self.calibration_lower.mean, adapting, why, self._tracker.lost,
+            self.calibration_lower.mean, adapting, why, self._missed,
         )  # fmt: skip
         return self._last
 

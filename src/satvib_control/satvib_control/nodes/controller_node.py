@@ -14,6 +14,7 @@ import numpy as np
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.ros.convert import check_period, nanoseconds, plan_of
 from satvib_common.ros.node import SatvibNode
+from satvib_common.sequence import Arrival
 
 from satvib_control.core.controller import ControllerCore, ControllerOutput
 from satvib_control.parameters import ControllerParameters
@@ -115,14 +116,20 @@ class ControllerNode(SatvibNode[P]):
         """Refuse a message with another sample period than this node's, by name."""
         check_period(name, message.sample_period, self.parameters.sample_rate)
 
-    def answer(self, k: int, samples: Sequence[StrutAcceleration], plan: PhasePlan) -> None:
+    def answer(
+        self,
+        k: int,
+        samples: Sequence[StrutAcceleration],
+        plan: PhasePlan,
+        arrival: Arrival | None = None,
+    ) -> None:
         """Publish voltage and state of every strut for the sample of number k."""
         start = time.perf_counter()
         upper, lower = (
             np.array([getattr(sample, name) for sample in samples]).reshape(self.core.shape)
             for name in ('upper', 'lower')
         )
-        output = self.core.step(k, plan, upper, lower)
+        output = self.core.step(k, plan, upper, lower, arrival)
         for i, (place, sample) in enumerate(zip(self.places, samples, strict=True)):
             v = self.voltages[i]
             v.header, v.sequence = sample.header, k

@@ -33,7 +33,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         """Build the core and the queues."""
         p = self.parameters
         self.serve(ControllerCore(p), [((), '')])
-        self.waiting: deque[StrutAcceleration] = deque()
+        self.waiting: deque[tuple[StrutAcceleration, Arrival]] = deque()
         self.models: ModelQueue[IirParameters] = ModelQueue(p.model_period, wait=p.lockstep)
         self.tracker = SequenceTracker()
 
@@ -52,13 +52,14 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
     def work(self, plan: PhasePlan) -> None:
         """Answer every sample that has all it needs."""
         while self.waiting:
-            ready, model = self.models.take(self.waiting[0].sequence, plan)
+            sample, arrival = self.waiting[0]
+            ready, model = self.models.take(sample.sequence, plan)
             if not ready:
                 return
             if model is not None:
                 self._set_model(model)
-            sample = self.waiting.popleft()
-            self.answer(sample.sequence, [sample], plan)
+            self.waiting.popleft()
+            self.answer(sample.sequence, [sample], plan, arrival)
 
     def _on_model(self, message: IirParameters) -> None:
         self.check_period(f'{self.strut} identified_model', message)
@@ -66,13 +67,13 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         self.proceed()
 
     def _on_acceleration(self, message: StrutAcceleration) -> None:
-        arrival = self.tracker.see(message.sequence)
+        arrival = self.tracker.classify(message.sequence)
         if arrival in {Arrival.FIRST, Arrival.RESTART}:
             self.check_period(f'{self.strut} acceleration', message)
             self.waiting.clear()
             self.models.begin(message.sequence, anew=arrival is Arrival.RESTART)
         if arrival is not Arrival.REPEAT:
-            self.waiting.append(message)
+            self.waiting.append((message, arrival))
             self.proceed()
 
     def _set_model(self, m: IirParameters) -> None:

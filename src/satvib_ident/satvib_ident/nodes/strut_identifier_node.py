@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node `strut_identifier`: carries messages to and from `IdentifierCore`.
 
-Sample k of the acceleration is paired with the voltage of sample k - delay, as the strut's guard let it out (see
-`pairing`). In lockstep both, and the schedule, are waited for.
+Sample k of the acceleration is paired with the voltage of sample k - delay that the strut's guard applied (see
+`voltage_pairing`). In lockstep the node waits for both and for the schedule.
 
-The model is published for every sample of a phase in which it is estimated, and for the samples before a hand-over.
+The model is published for every sample of a phase in which it is estimated, and for the sample before a hand-over.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ from satvib_common.ros.qos import wanted
 from satvib_common.sequence import Arrival
 
 from satvib_ident.identifier import Identification, IdentifierCore
-from satvib_ident.nodes.voltage_pairing import Pairing
+from satvib_ident.nodes.voltage_pairing import VoltagePairing
 from satvib_ident.parameters import IdentifierParameters
 from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration, VcaVoltage
 
@@ -37,7 +37,9 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self.core = IdentifierCore(p)
         self.plan: PhasePlan | None = None
         self.phases = frozenset(Phase[name] for name in p.estimate_in)
-        self.pairing: Pairing[StrutAcceleration] = Pairing(p.delay, wait=p.lockstep)
+        self.pairing: VoltagePairing[StrutAcceleration] = VoltagePairing(
+            p.delay, p.lockstep, self.core.tracker
+        )
         self.message = IirParameters(sample_period=p.dt, delay=p.delay)
         self.publisher = self.publish_on(IirParameters, 'identified_model')
 
@@ -49,8 +51,8 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self.listen_to(StrutAcceleration, 'acceleration', self._on_acceleration, qos)
 
     def pause(self) -> float:
-        """In lockstep nobody waits for a model until the next hand-over is near; that saves wake-ups."""
-        plan, last = self.plan, self.pairing.samples.last
+        """In lockstep messages gather until a hand-over is near, which saves wake-ups."""
+        plan, last = self.plan, self.core.tracker.last
         if plan is None or last is None or not self.parameters.lockstep:
             return 0.0
         period = self.parameters.model_period
@@ -58,13 +60,13 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         return 0.0 if near else _GATHER
 
     def reset(self) -> str:
-        """Begin to estimate anew."""
+        """Start the estimate again."""
         self.core.reset()
-        return 'the estimate begins anew'
+        return 'the estimate starts again'
 
     def diagnose(self) -> tuple[str, dict[str, object]]:
         """Give the counts of the core."""
-        samples = self.pairing.samples
+        samples = self.core.tracker
         figures: dict[str, object] = {
             'sequence': -1 if samples.last is None else samples.last,
             'samples waiting': len(self.pairing),
@@ -91,15 +93,15 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self._work()
 
     def _work(self) -> None:
-        """Take every sample that has all it needs."""
+        """Process every sample that has all it needs."""
         if self.plan is not None or not self.parameters.lockstep:
-            for sample, voltage in self.pairing.pairs():
-                self._identify(sample, voltage)
+            for sample, voltage, arrival in self.pairing.pairs():
+                self._identify(sample, voltage, arrival)
 
-    def _identify(self, sample: StrutAcceleration, voltage: float) -> None:
+    def _identify(self, sample: StrutAcceleration, voltage: float, arrival: Arrival) -> None:
         k, p = sample.sequence, self.parameters
         phase = Phase.STANDBY if self.plan is None else self.plan.at(k)
-        found = self.core.step(k, phase, np.asarray(sample.upper), np.asarray(voltage))
+        found = self.core.step(k, phase, np.asarray(sample.upper), np.asarray(voltage), arrival)
         handed = self.plan is not None and self.plan.is_hand_over(k + 1, p.model_period)
         if phase in self.phases or handed:
             self._publish(sample, found)

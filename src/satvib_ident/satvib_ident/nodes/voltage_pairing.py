@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pairs the acceleration of sample k with the voltage of sample k - delay, by `sequence`.
 
-The two come on topics of their own, so either may be ahead of the other. In lockstep a sample waits for its voltage.
-In real time the voltage has until the next sample. A voltage that has been passed over by a newer one will not come
-any more: NaN, not known. Before sample 0 the voltage is known to be 0.
+Each has its own topic, so either may arrive first. In lockstep a sample waits for its voltage. In real time the voltage
+has until the next sample. When a newer voltage has arrived, an older one is lost: it is NaN, not known. Before sample 0
+the voltage is known to be 0.
 """
 
 import math
@@ -17,34 +17,35 @@ from satvib_common.sequence import Arrival, SequenceTracker
 T = TypeVar('T')
 
 
-class Pairing(Generic[T]):
+class VoltagePairing(Generic[T]):
     """Samples that wait for their voltage.
 
     Args:
         delay: samples between a voltage and the first acceleration that sees it.
         wait: wait for a voltage as long as it may still come.
+        samples: classifies the samples; by default one of its own.
     """
 
-    def __init__(self, delay: int, wait: bool) -> None:
+    def __init__(self, delay: int, wait: bool, samples: SequenceTracker | None = None) -> None:
         self.delay, self.wait = delay, wait
         self.unknown = 0
-        self.samples, self.voltages = SequenceTracker(), SequenceTracker()
-        self._waiting: deque[tuple[int, T]] = deque()
+        self.samples, self.voltages = samples or SequenceTracker(), SequenceTracker()
+        self._waiting: deque[tuple[int, T, Arrival]] = deque()
         self._known: dict[int, float] = {}
 
     def __len__(self) -> int:
-        """How many samples wait."""
+        """Number of samples that wait."""
         return len(self._waiting)
 
     def add_voltage(self, sequence: int, voltage: float) -> None:
         """Take a voltage as the guard let it out."""
-        if self.voltages.see(sequence) is Arrival.RESTART:
+        if self.voltages.classify(sequence) is Arrival.RESTART:
             self._known.clear()
         self._known[sequence] = voltage
 
     def add_sample(self, sequence: int, sample: T) -> Arrival:
         """Take a sample; a repeated one is left out."""
-        arrival = self.samples.see(sequence)
+        arrival = self.samples.classify(sequence)
         if arrival is Arrival.RESTART:
             self._waiting.clear()
             if self.voltages.restarts < self.samples.restarts:
@@ -53,11 +54,11 @@ class Pairing(Generic[T]):
                 self.voltages.last = None
                 self.voltages.restarts = self.samples.restarts
         if arrival is not Arrival.REPEAT:
-            self._waiting.append((sequence, sample))
+            self._waiting.append((sequence, sample, arrival))
         return arrival
 
-    def pairs(self) -> Iterator[tuple[T, float]]:
-        """Give the samples whose voltage is there, or will never be, in order."""
+    def pairs(self) -> Iterator[tuple[T, float, Arrival]]:
+        """Give each sample whose voltage is there or is lost, in order: sample, voltage, and how the sample arrived."""
         while self._waiting:
             wanted = self._waiting[0][0] - self.delay
             voltage = 0.0 if wanted < 0 else self._known.get(wanted)
@@ -69,10 +70,11 @@ class Pairing(Generic[T]):
                 voltage = math.nan
                 self.unknown += 1
             self._forget(wanted)
-            yield self._waiting.popleft()[1], voltage
+            _, sample, arrival = self._waiting.popleft()
+            yield sample, voltage, arrival
 
     def _forget(self, wanted: int) -> None:
-        """Let go of what is older than this pair."""
+        """Drop what is older than this pair."""
         self._known.pop(wanted - 1, None)
         if len(self._known) > 4000:
             self._known = {s: v for s, v in self._known.items() if s >= wanted}
