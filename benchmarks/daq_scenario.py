@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""A scenario through daq_bridge on the serial line, beside the same scenario in plant_sim, both in real time.
+"""A scenario through daq_bridge on the serial link, beside the same scenario in plant_sim, both in real time.
 
     ./satvib shell -c 'python benchmarks/daq_scenario.py paper_3dof'
 
@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 from satvib_bringup.live.graph import Graph, Stage, graph_of
-from satvib_bringup.live.schedule_message import schedule_message
+from satvib_bringup.live.schedule_message import graph_schedule
 from satvib_common.levels import decibel
 from satvib_common.phases import Phase
 from satvib_common.ros.qos import offered, wanted
@@ -65,7 +65,7 @@ def prepare(stand: Stand, graph: Graph) -> dict[str, Any]:
             name = process.full_name.replace('/', '.')
             parameters = stand.folder / f'{name}.yaml'
             parameters.write_text(process.parameter_file())
-            module = f'{modules[process.executable]}.{process.executable}_node'
+            module = f'{modules[process.executable]}.nodes.{process.executable}_node'
             stand.start(name, ['-m', module, *process.arguments(parameters)])
     return kept
 
@@ -83,8 +83,8 @@ def begin(stand: Stand, graph: Graph, kept: dict[str, Any]) -> None:
         'controllers',
     )
     stand.hurry()
-    message = schedule_message(graph)
-    kept['schedule'].publish(message)
+    now = stand.node.get_clock().now().to_msg()
+    kept['schedule'].publish(graph_schedule(graph, now))
 
 
 def finish(stand: Stand, source: str, limit: float) -> int:

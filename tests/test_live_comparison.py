@@ -89,7 +89,7 @@ def answers(scenario, run, struts):
     from satvib_control.core.centralized import make_core
 
     rate = 1.0 / run.sample_period
-    parameters = scenario.controller_parameters(rate, strut=struts[0], struts=3)
+    parameters = scenario.controller_parameters(rate, strut_index=struts[0], struts=3)
     core = make_core(parameters, (len(struts),))
     upper, lower = (run.get('acceleration', plate)[:, struts] for plate in ('upper', 'lower'))
     answered = np.flatnonzero(run.get('voltage', 'present')[:, struts[0]])

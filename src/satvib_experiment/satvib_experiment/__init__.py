@@ -12,11 +12,11 @@ if TYPE_CHECKING:
     from satvib_experiment.recording.load import load_recording
     from satvib_experiment.recording.recording import Recording, differences
     from satvib_experiment.report.build import Report, write_report
+    from satvib_experiment.scenario.folder import scenario_names
     from satvib_experiment.scenario.scenario import (
         Scenario,
         check_scenario,
         load_scenario,
-        scenario_names,
     )
     from satvib_experiment.twin.closed_loop import (
         ClosedLoop,

@@ -10,7 +10,8 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from satvib_common.phases import Phase, PhasePlan
 from satvib_experiment.recording.bag_reader import custom_data
-from satvib_experiment.recording.recording import TOPICS, Recording
+from satvib_experiment.recording.recording import Recording
+from satvib_experiment.recording.topics import TOPICS
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import simulate
 

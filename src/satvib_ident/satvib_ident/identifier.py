@@ -13,7 +13,8 @@ n degrees of freedom, and the floor is its quantile for one sample in a million.
 limit with 99.9 % confidence counts.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,6 +91,13 @@ class Identification:
         """The model, as a batch of `shape`."""
         return IirModel(self.a, self.b, self.delay, self.dt)
 
+    def figures(self) -> dict[str, Any]:
+        """Every figure of an item, by the name of its field in satvib_msgs/IirParameters; arrays of `shape`.
+
+        The node's message and the twin's recording are filled from this one list.
+        """
+        return {name: getattr(self, name) for name in FIGURES} | {'reason': self.reasons}
+
     @property
     def reasons(self) -> NDArray[np.object_]:
         """Why each item may not be believed, object array (shape) of str; '' where it may."""
@@ -100,6 +108,12 @@ class Identification:
         """Why the model of a single strut may not be believed; of a batch, the first reason."""
         failed = np.argwhere(self.verdict.failed)
         return self.verdict.reason(tuple(failed[0])) if len(failed) else ''
+
+
+# what all items have in common is none of these
+FIGURES = tuple(
+    f.name for f in fields(Identification) if f.name not in {'sequence', 'delay', 'dt', 'verdict'}
+)
 
 
 class IdentifierCore:

@@ -6,8 +6,8 @@ One description for the runner and for the launch file:
 
     plant_sim                  source of the samples
     strut_i/strut_controller   answers them
-    strut_i/strut_identifier   watches both
-    recorder                   writes it all down
+    strut_i/strut_identifier   reads both
+    recorder                   records all topics
 
 In the centralized scheme one `centralized_controller` stands in the place of all strut controllers.
 
@@ -27,20 +27,21 @@ import yaml
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.settings_text import setting_text
+from satvib_experiment.analysis.tones import disturbance_onset
 from satvib_experiment.recording.bag_reader import custom_data
+from satvib_experiment.recording.topics import STRUT_TOPICS
 from satvib_experiment.scenario.scenario import Scenario
 from satvib_plant_sim.nodes.parameters import PlantParameters
 from satvib_plant_sim.plant.failures import CONTROLLER
 from satvib_plant_sim.rig.any_rig import strut_count
 
-from satvib_bringup.live.topics import STRUT_TOPICS
 from satvib_bringup.recorder.check import REPORT, expected_models
 
 CENTRALIZED = 'centralized_controller'
 
 
 class Stage(IntEnum):
-    """In which order processes stop: whoever speaks goes before whoever listens."""
+    """In which order processes stop: writers before readers."""
 
     SOURCE = 0
     CONTROLLER = 1
@@ -69,7 +70,7 @@ class Process:
 
     @property
     def full_name(self) -> str:
-        """Namespace and name, as people see it: strut_1/strut_controller."""
+        """Namespace and name, as shown to people: strut_1/strut_controller."""
         return f'{self.namespace}/{self.name}'.lstrip('/')
 
     def parameter_file(self) -> str:
@@ -88,7 +89,7 @@ class Process:
 
 @dataclass(frozen=True)
 class Graph:
-    """The whole graph and the schedule that sets it going.
+    """The whole graph and the schedule that starts it.
 
     Attributes:
         processes: in the order in which they start.
@@ -99,8 +100,9 @@ class Graph:
         plan: phases by sample.
         models: how many models a strut publishes.
         custom: texts for the bag: the scenario and the rig.
-        deaths: sample and full name of each controller that is to be killed.
+        kills: sample and full name of each controller that is to be killed.
         realtime: samples follow the clock; otherwise lockstep.
+        onset: s, when the disturbance begins.
     """
 
     processes: tuple[Process, ...]
@@ -111,12 +113,13 @@ class Graph:
     plan: PhasePlan
     models: int
     custom: Mapping[str, str]
-    deaths: tuple[tuple[int, str], ...] = ()
+    kills: tuple[tuple[int, str], ...] = ()
     realtime: bool = False
+    onset: float = 0.0
 
     def silenced(self) -> frozenset[str]:
-        """Names of the struts whose controllers die in the run."""
-        named = {name.rpartition('/')[0] for _, name in self.deaths}
+        """Names of the struts whose controllers are killed in the run."""
+        named = {name.rpartition('/')[0] for _, name in self.kills}
         return frozenset(self.struts if '' in named else named)
 
     def topics(self) -> list[str]:
@@ -202,10 +205,18 @@ def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None
         Process('satvib_plant_sim', 'plant_sim', '/', 'plant_sim', plant.to_mapping(), Stage.SOURCE)
     )
     return Graph(
-        tuple(processes), scenario.name, scenario.seed, 1.0 / rate, struts, plan,
-        expected_models(plan, phases, identifier.model_period), custom,
-        _deaths(scenario, processes, rate, realtime), realtime,
-    )  # fmt: skip
+        processes=tuple(processes),
+        scenario=scenario.name,
+        seed=scenario.seed,
+        sample_period=1.0 / rate,
+        struts=struts,
+        plan=plan,
+        models=expected_models(plan, phases, identifier.model_period),
+        custom=custom,
+        kills=_kills(scenario, processes, rate, realtime),
+        realtime=realtime,
+        onset=disturbance_onset(scenario.make_disturbance()),
+    )
 
 
 def _inline(value: Any) -> str:
@@ -213,7 +224,7 @@ def _inline(value: Any) -> str:
     return json.dumps(value)
 
 
-def _deaths(
+def _kills(
     scenario: Scenario, processes: list[Process], rate: float, realtime: bool
 ) -> tuple[tuple[int, str], ...]:
     """Which processes are to be killed at which samples.

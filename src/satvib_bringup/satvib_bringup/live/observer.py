@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The runner's view of the live graph: who is there, where the run is, and the schedule that sets it going.
+"""The runner's view of the live graph: which nodes are there, how far the run is, and the schedule that starts it.
 
 The controllers' states are looked at a few times a second through readers of depth 1, whatever the rate of the loop.
 """
 
 import contextlib
-import math
 import time
 from functools import partial
 from types import TracebackType
@@ -19,14 +18,14 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
-from satvib_common.levels import decibel
 from satvib_common.phases import Phase
 from satvib_common.ros.qos import offered
+from satvib_experiment.analysis.running_attenuation import RunningAttenuation
 
 from satvib_bringup.live.discovery import REPORTS, Discovery
 from satvib_bringup.live.graph import Graph
 from satvib_bringup.live.progress import Progress
-from satvib_bringup.live.schedule_message import schedule_message
+from satvib_bringup.live.schedule_message import graph_schedule
 from satvib_msgs.msg import ControllerState, Schedule
 
 _LATEST = QoSProfile(
@@ -53,7 +52,7 @@ class Observer:
         self._executor.add_node(self._node)
         self._schedule_out = self._node.create_publisher(Schedule, '/schedule', offered(1))
         self._states: dict[str, Any] = {}
-        self._quiet = dict.fromkeys(graph.struts, math.nan)
+        self._attenuation = RunningAttenuation(graph.onset, graph.sample_period, len(graph.struts))
         self.discovery = Discovery(graph, self._node, self._schedule_out)
         self._began = time.monotonic()
         if graph.realtime:
@@ -85,7 +84,7 @@ class Observer:
         rclpy.try_shutdown(context=self._context)
 
     def missing(self) -> list[str]:
-        """What is not there yet, after what nodes have said meanwhile."""
+        """What is not there yet, after what nodes have reported meanwhile."""
         if self.graph.realtime:
             self._spin(2 * len(self.graph.processes))
         return self.discovery.missing()
@@ -95,30 +94,21 @@ class Observer:
             self._executor.spin_once(timeout_sec=0.0)
 
     def publish_schedule(self) -> None:
-        """Set the graph going."""
+        """Start the run."""
         now = self._node.get_clock().now().to_msg()
-        self._schedule_out.publish(schedule_message(self.graph, now))
+        self._schedule_out.publish(graph_schedule(self.graph, now))
         if self.graph.realtime:
             self._node.destroy_subscription(self._diagnostics)
         self._began = time.monotonic()
 
     def look(self) -> Progress | None:
-        """Where the run is; None before the first sample."""
+        """How far the run is; None before the first sample."""
         self._spin(2 * len(self.graph.struts))
         if not self._states:
             return None
-        attenuation = []
-        for strut in self.graph.struts:
-            state = self._states.get(strut)
-            if state is None:
-                attenuation.append(math.nan)
-                continue
-            if state.phase == Phase.STANDBY:
-                self._quiet[strut] = state.upper_rms
-            controlled = state.phase == Phase.CONTROL
-            attenuation.append(
-                float(decibel(state.upper_rms, self._quiet[strut])) if controlled else math.nan
-            )
+        for i, strut in enumerate(self.graph.struts):
+            if (state := self._states.get(strut)) is not None:
+                self._attenuation.add(int(state.sequence), state.phase, state.upper_rms, i)
         newest = max(self._states.values(), key=lambda state: state.sequence)
         samples = int(newest.sequence) + 1
         elapsed = max(time.monotonic() - self._began, 1e-9)
@@ -127,6 +117,6 @@ class Observer:
             sequence=int(newest.sequence),
             end=self.graph.plan.end,
             time=samples * self.graph.sample_period,
-            attenuation=tuple(attenuation),
+            attenuation=tuple(self._attenuation.decibels.tolist()),
             speed=samples * self.graph.sample_period / elapsed,
         )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a live run tells while it goes and when it is over."""
+"""What a live run reports while it goes and when it is over."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,8 +18,7 @@ class Progress:
         sequence: of that sample.
         end: number of samples of the run.
         time: s since the start of the experiment.
-        attenuation: dB per strut in CONTROL, RMS over the recent window against the last one with the law off; NaN
-            when there is none.
+        attenuation: dB per strut, as in `satvib_experiment.analysis.running_attenuation`; NaN where there is none.
         speed: times real time, on average since the start.
     """
 

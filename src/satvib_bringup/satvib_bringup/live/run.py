@@ -185,7 +185,7 @@ class _Run:
 
     def _kill_the_doomed(self, supervisor: Supervisor, observer: Observer) -> None:
         """Kill whom the scenario wants dead by now."""
-        left = [(k, name) for k, name in self.graph.deaths if name not in self.killed]
+        left = [(k, name) for k, name in self.graph.kills if name not in self.killed]
         if not left:
             return
         seen = observer.look()

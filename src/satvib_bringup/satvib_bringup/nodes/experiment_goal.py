@@ -20,7 +20,7 @@ KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')
 
 
 @dataclass
-class Verdict:
+class GoalResult:
     """What the client gets.
 
     Attributes:
@@ -52,7 +52,7 @@ class ExperimentGoal:
     def __init__(
         self, scenario: str, overrides: Sequence[str], realtime: bool, folder: str, runs: Path
     ) -> None:
-        self.verdict = Verdict()
+        self.result = GoalResult()
         self.progress: Progress | None = None
         self._cancel = threading.Event()
         arguments = (scenario, tuple(overrides), realtime, folder, runs)
@@ -83,28 +83,28 @@ class ExperimentGoal:
         try:
             self._run(name, overrides, realtime, folder, runs)
         except (SatvibError, RunError) as error:
-            self.verdict.message = str(error)
+            self.result.message = str(error)
         except Exception as error:  # noqa: BLE001 - the client must hear of it, whatever it is
-            self.verdict.message = f'{type(error).__name__}: {error}'
+            self.result.message = f'{type(error).__name__}: {error}'
 
     def _run(
         self, name: str, overrides: Sequence[str], realtime: bool, folder: str, runs: Path
     ) -> None:
         scenario = load_scenario(name, overrides)
         target = free_run_folder(scenario.name, Path(folder) if folder else None, runs)
-        verdict = self.verdict
+        result = self.result
         outcome = run_experiment(
             scenario, target, realtime, progress=self._saw, cancel=self._cancel
         )
-        verdict.folder, verdict.struts = str(target.resolve()), outcome.struts
-        verdict.message = outcome.message
+        result.folder, result.struts = str(target.resolve()), outcome.struts
+        result.message = outcome.message
         write_scenario(scenario, target)
         if outcome.success:
             evaluation = write_report(read_recording(target), target).evaluation
-            verdict.attenuation = {
+            result.attenuation = {
                 kind: [float(value) for value in evaluation.attenuation[kind]] for kind in KINDS
             }
-            verdict.success = True
+            result.success = True
 
     def _saw(self, progress: Progress) -> None:
         self.progress = progress

@@ -109,16 +109,16 @@ class ExperimentNode(SatvibNode[ExperimentParameters]):
         await self.over
         goal.join()
         self.goal = self.client = None
-        verdict = goal.verdict
-        self.get_logger().info(verdict.message)
+        found = goal.result
+        self.get_logger().info(found.message)
         result = RunExperiment.Result(
-            success=verdict.success,
-            message=verdict.message,
-            folder=verdict.folder,
-            struts=list(verdict.struts),
-            **{kind: verdict.attenuation.get(kind, []) for kind in KINDS},
+            success=found.success,
+            message=found.message,
+            folder=found.folder,
+            struts=list(found.struts),
+            **{kind: found.attenuation.get(kind, []) for kind in KINDS},
         )
-        if verdict.success:
+        if found.success:
             handle.succeed()
         elif goal.cancelled and handle.is_cancel_requested:
             handle.canceled()

@@ -18,8 +18,8 @@ from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
 from satvib_experiment.recording.cdr import stamp_and_sequence
+from satvib_experiment.recording.topics import SHARED_TOPICS, STRUT_TOPICS
 
-from satvib_bringup.live.topics import SHARED_TOPICS, STRUT_TOPICS
 from satvib_bringup.recorder.bag_sink import BagSink, Channel
 from satvib_bringup.recorder.topic_recorder import RecorderParameters, Topic
 from satvib_msgs.msg import Schedule
@@ -87,10 +87,10 @@ class RecorderNode(SatvibNode[RecorderParameters]):
         for strut in message.struts:
             self._record_strut(strut)
 
-    def _record_strut(self, strut: str) -> None:
+    def _record_strut(self, strut_name: str) -> None:
         for name, kind in STRUT_TOPICS.items():
-            if self.resolve_topic_name(f'{strut}/{name}') not in self.topics:
-                self._record(f'{strut}/{name}', kind, is_sampled=True, whole=True)
+            if self.resolve_topic_name(f'{strut_name}/{name}') not in self.topics:
+                self._record(f'{strut_name}/{name}', kind, is_sampled=True, whole=True)
 
     def _record(self, name: str, kind: str, is_sampled: bool, whole: bool) -> None:
         package, _, short = kind.partition('/msg/')

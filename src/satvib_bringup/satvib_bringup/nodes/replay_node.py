@@ -16,7 +16,8 @@ from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import offered, wanted
 
-from satvib_bringup.nodes.record_replay import ReplayParameters, load_record
+from satvib_bringup.live.schedule_message import schedule_message
+from satvib_bringup.nodes.replay_record import ReplayParameters, load_record
 from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration, VcaVoltage
 
 _UNANSWERED_RATE = 300.0  # samples/s
@@ -83,16 +84,9 @@ class ReplayNode(SatvibNode[ReplayParameters]):
 
     def _announce(self) -> None:
         self.began = time.monotonic()
-        plan = self.record.plan
-        message = Schedule(
-            scenario=f'replay of {self.parameters.file}',
-            sample_period=self.record.period,
-            struts=[self.parameters.strut],
-            phases=[int(phase) for phase in plan.phases],
-            first_sequence=list(plan.first),
-            end_sequence=plan.end,
-        )
-        message.header.stamp = self.get_clock().now().to_msg()
+        record, now = self.record, self.get_clock().now().to_msg()
+        name, source = self.parameters.strut, f'replay of {self.parameters.file}'
+        message = schedule_message(record.plan, now, [name], record.period, source)
         self.schedule_out.publish(message)
 
     def _publish(self, k: int) -> None:

@@ -19,7 +19,7 @@ from satvib_experiment.scenario.scenario import load_scenario
 
 from satvib_bringup.live.discovery import REPORTS, Discovery
 from satvib_bringup.live.graph import graph_of
-from satvib_bringup.live.schedule_message import schedule_message
+from satvib_bringup.live.schedule_message import graph_schedule
 from satvib_msgs.msg import Schedule as ScheduleMessage
 
 _PATIENCE = 60.0  # s
@@ -84,7 +84,7 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
 
     def _publish(self) -> None:
         now = self.get_clock().now().to_msg()
-        self.publisher.publish(schedule_message(self.graph, now))
+        self.publisher.publish(graph_schedule(self.graph, now))
 
 
 def main() -> None:

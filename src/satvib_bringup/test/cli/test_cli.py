@@ -4,6 +4,7 @@
 
 import json
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -64,6 +65,16 @@ def test_listings(satvib):
     """Truth: names that the documentation uses."""
     assert 'paper_3dof' in satvib('scenarios')[1]
     assert 'soft_3dof' in satvib('rigs')[1]
+
+
+@pytest.mark.parametrize('arguments', [('--help',), ('scenarios',), ('rigs',)])
+def test_what_only_lists_imports_no_numerical_library(arguments):
+    """Truth: the libraries whose import takes most of a second or more, and the modules that were imported."""
+    command = [sys.executable, '-X', 'importtime', '-m', 'satvib_bringup.cli.main', *arguments]
+    ended = subprocess.run(command, capture_output=True, text=True, check=True)
+    imported = {line.rpartition('|')[2].strip() for line in ended.stderr.splitlines()}
+    assert 'satvib_bringup.cli.commands.listing' in imported
+    assert not imported & {'numpy', 'scipy', 'numba', 'matplotlib', 'rclpy', 'pyarrow'}
 
 
 def test_simulate_then_report(satvib, tmp_path):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from satvib_bringup.live.graph import Stage, graph_of
+from satvib_common.errors import SatvibError
 from satvib_common.schema import parse_yaml
 from satvib_control.parameters import ControllerParameters
 from satvib_experiment.scenario.scenario import load_scenario
@@ -68,3 +69,21 @@ def test_who_reads_what(graph):
     assert readers['/strut_2/truth'] == 1
     unrecorded = graph_of(load_scenario('quick_3dof')).readers()
     assert unrecorded['/strut_2/truth'] == 0
+
+
+def test_a_kill_needs_real_time_and_names_its_process():
+    """In lockstep the plant would wait for ever; in real time the graph names what is killed at which sample."""
+    kill, kill_all = (
+        f'failures=[{{kind: controller_killed, {which}time: 2.0}}]' for which in ('strut: 2, ', '')
+    )
+    scenario = load_scenario('soft_3dof', [kill])
+    with pytest.raises(SatvibError, match='run it with --realtime, or simulate it'):
+        graph_of(scenario)
+    graph = graph_of(scenario, realtime=True)
+    assert graph.kills == ((400, 'strut_2/strut_controller'),)
+    assert graph.silenced() == {'strut_2'}
+    central = graph_of(load_scenario('soft_3dof_centralized', [kill_all]), realtime=True)
+    assert central.kills == ((400, 'centralized_controller'),)
+    assert central.silenced() == {'strut_1', 'strut_2', 'strut_3'}
+    plant = next(p for p in graph.processes if p.name == 'plant_sim')
+    assert plant.parameters['failures'] == '[]'

@@ -3,6 +3,7 @@
 """Between messages and the values of the mathematics."""
 
 from array import array
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,21 @@ def sample_stamp(sequence: int, period: float) -> int:
 def doubles(values: Array) -> 'array[float]':
     """Give a float64[] field's value, the cheap way."""
     return array('d', np.ascontiguousarray(values).tobytes())
+
+
+def fill(message: Any, figures: Mapping[str, Any], index: tuple[int, ...] = ()) -> None:
+    """Put figures into the fields of a message that have their names.
+
+    Args:
+        message: is changed.
+        figures: plain values, or arrays whose leading axes `index` picks from; what is left of an array fills a
+            float64[] row by row.
+        index: of the item.
+    """
+    for name, values in figures.items():
+        value = values[index] if index else values
+        kind = type(getattr(message, name))
+        setattr(message, name, doubles(value) if kind is array else kind(value))
 
 
 def plan_of(schedule: Any) -> PhasePlan:

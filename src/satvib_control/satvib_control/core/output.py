@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What became of one sample in a controller."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from satvib_common.arrays import Array, Mask
@@ -54,19 +54,31 @@ class ControllerOutput:
         """Text of the reason of one item; empty when all is well."""
         return text_of(self.reason[index])
 
+    def figures(self) -> dict[str, Any]:
+        """Every figure of a strut, by the name of its field in satvib_msgs/ControllerState; arrays of `shape`.
+
+        The node's message and the twin's recording are filled from this one list. `reason` is a code.
+        """
+        law = {name: getattr(self.state, name) for name in STATE_FIELDS}
+        return law | {name: getattr(self, name) for name in OUTPUT_FIELDS}
+
+    def voltages(self) -> dict[str, Any]:
+        """Every figure of satvib_msgs/VcaVoltage, by the name of its field; arrays of `shape`."""
+        return {name: getattr(self, name) for name in VOLTAGE_FIELDS}
+
     def fields(self, index: tuple[int, ...] = ()) -> dict[str, Any]:
         """The fields of satvib_msgs/ControllerState that the controller knows, for one item, as plain values."""
-        found: dict[str, Any] = {
+        found = {name: values[index].item() for name, values in self.figures().items()}
+        return found | {
             'sequence': self.sequence,
             'phase': int(self.phase),
             'law': self.law,
             'reason': self.reason_text(index),
             'missed_samples': self.missed_samples,
         }
-        for name in STATE_FIELDS:
-            found[name] = float(getattr(self.state, name)[index])
-        for name in ('voltage', 'output', 'reference', 'upper_rms', 'bias_upper', 'bias_lower'):
-            found[name] = float(getattr(self, name)[index])
-        for name in ('saturated', 'fault', 'adapting'):
-            found[name] = bool(getattr(self, name)[index])
-        return found
+
+
+# what all struts of a controller have in common
+_SHARED = {'sequence', 'phase', 'law', 'state', 'missed_samples'}
+OUTPUT_FIELDS = tuple(f.name for f in fields(ControllerOutput) if f.name not in _SHARED)
+VOLTAGE_FIELDS = ('voltage', 'saturated', 'fault')

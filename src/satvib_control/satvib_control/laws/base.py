@@ -14,7 +14,7 @@ A law of your own is a class with this constructor and `step`, chosen by `law: m
 Everything has the leading axes `shape`. Per-sample arithmetic is elementwise or a `satvib_common.kernels.compile`.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
@@ -90,10 +90,10 @@ class LawState:
         return other
 
 
-STATE_FIELDS = (
-    'reference', 'model_output', 'error', 'kp', 'ki', 'kd', 'ki_min', 'ki_max', 'sensitivity',
-    'weight_norm', 'frequency',
-)  # fmt: skip
+# figures of a law, by the names of their fields in satvib_msgs/ControllerState
+STATE_FIELDS = tuple(
+    f.name for f in fields(LawState) if f.name not in {'shape', 'adapting', 'reason'}
+)
 
 
 @runtime_checkable

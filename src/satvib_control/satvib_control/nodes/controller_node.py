@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 from satvib_common.phases import Phase, PhasePlan
-from satvib_common.ros.convert import check_period, nanoseconds, plan_of
+from satvib_common.ros.convert import check_period, fill, nanoseconds, plan_of
 from satvib_common.ros.node import SatvibNode
 from satvib_common.sequence import Arrival
 
@@ -133,8 +133,7 @@ class ControllerNode(SatvibNode[P]):
         for i, (place, sample) in enumerate(zip(self.places, samples, strict=True)):
             v = self.voltages[i]
             v.header, v.sequence = sample.header, k
-            v.voltage = float(output.voltage[place])
-            v.saturated, v.fault = bool(output.saturated[place]), bool(output.fault[place])
+            fill(v, output.voltages(), place)
             self.voltage_out[i].publish(v)
         self.last = output
         stamp = nanoseconds(samples[0].header.stamp)
@@ -145,7 +144,6 @@ class ControllerNode(SatvibNode[P]):
         for i, (place, sample) in enumerate(zip(self.places, samples, strict=True)):
             s = self.states[i]
             s.header = sample.header
-            for name, value in output.fields(place).items():
-                setattr(s, name, value)
+            fill(s, output.fields(place))
             s.time_step, s.compute_time = step, spent
             self.state_out[i].publish(s)

@@ -24,7 +24,8 @@ from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import parse_yaml
 from satvib_plant_sim.rig.any_rig import AnyRig, rig_from_mapping
 
-from satvib_experiment.recording.recording import TOPICS, Group, Recording
+from satvib_experiment.recording.recording import Group, Recording
+from satvib_experiment.recording.topics import TOPICS
 from satvib_experiment.scenario.scenario import Scenario
 
 PACKAGE = 'satvib_msgs/msg'

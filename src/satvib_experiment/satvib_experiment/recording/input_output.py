@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from satvib_common.arrays import Array
+from satvib_common.csv_columns import read_columns
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 
-from satvib_experiment.recording.csv_columns import read_columns
 from satvib_experiment.recording.load import load_recording
 from satvib_experiment.recording.signals import without_bias
 
 
 @dataclass(frozen=True)
-class Record:
+class InputOutput:
     """What is identified.
 
     Attributes:
@@ -33,9 +33,9 @@ class Record:
     name: str
 
 
-def csv_record(
+def read_csv(
     path: Path, input_column: str | None, output_column: str | None, dt: float | None
-) -> Record:
+) -> InputOutput:
     """Read two columns of a CSV file; without a sample period, one sample is one second.
 
     Raises:
@@ -44,26 +44,26 @@ def csv_record(
     if not input_column or not output_column:
         raise SatvibError(f'{path}: name the columns of a CSV file with --input and --output')
     u, y = read_columns(path, [input_column, output_column])
-    return Record(u, y, dt or 1.0, 0, path.name)
+    return InputOutput(u, y, dt or 1.0, 0, path.name)
 
 
-def bag_record(path: Path, strut: int) -> Record:
+def read_strut(path: Path, strut_number: int) -> InputOutput:
     """Take the IDENTIFY phase of a recorded run, or all of it when there was none.
 
     Args:
         path: bag, folder of a run, or recording.npz.
-        strut: counts from 1.
+        strut_number: from 1.
 
     Raises:
         SatvibError: no such strut, or nothing recorded to identify from.
     """
     recording = load_recording(path)
     count = len(recording.struts)
-    if not 1 <= strut <= count:
-        raise SatvibError(f'--strut: {strut} is not one of the {count} struts of {path}')
+    if not 1 <= strut_number <= count:
+        raise SatvibError(f'--strut: {strut_number} is not one of the {count} struts of {path}')
     spans = [(s, e) for phase, s, e in recording.phases() if phase is Phase.IDENTIFY]
     window = recording.window(*spans[0]) if spans else slice(None)
-    u = recording.get('voltage', 'voltage')[window, strut - 1]
-    y = without_bias(recording, window)[:, strut - 1]
-    name = f'{recording.struts[strut - 1]} of {path}'
-    return Record(u, y, recording.sample_period, 1, name)
+    u = recording.get('voltage', 'voltage')[window, strut_number - 1]
+    y = without_bias(recording, window)[:, strut_number - 1]
+    name = f'{recording.struts[strut_number - 1]} of {path}'
+    return InputOutput(u, y, recording.sample_period, 1, name)

@@ -20,20 +20,12 @@ from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_plant_sim.rig.any_rig import AnyRig, rig_from_mapping
 
+from satvib_experiment.recording.topics import TOPICS
 from satvib_experiment.scenario.scenario import Scenario
 
 Group = dict[str, NDArray[Any]]
 
-# A group, the last part of its topic, and the name of its message.
-TOPICS = {
-    'acceleration': ('acceleration', 'StrutAcceleration'),
-    'voltage': ('voltage', 'VcaVoltage'),
-    'model': ('identified_model', 'IirParameters'),
-    'state': ('controller_state', 'ControllerState'),
-    'truth': ('truth', 'StrutTruth'),
-}
-
-# Fields that tell about the machine, not about the experiment.
+# Fields that describe the machine, not the experiment.
 MACHINE_FIELDS = {('state', 'compute_time'), ('state', 'time_step')}
 
 

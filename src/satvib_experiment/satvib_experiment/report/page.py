@@ -14,6 +14,7 @@ from satvib_common.errors import SatvibError
 from satvib_experiment.analysis.evaluation import KINDS
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.figures.registry import Drawn
+from satvib_experiment.report.models import TRUST
 from satvib_experiment.report.style import strut_label
 
 KIND_HEADINGS = {
@@ -39,6 +40,11 @@ def significant(value: Any, digits: int = 3) -> str:
     return f'{value:#.{digits}g}'.rstrip('.').replace('-', '\u2212')
 
 
+def percent(value: Any) -> str:
+    """Show a share in percent; a dash for what is unknown."""
+    return number(None if value is None else 100.0 * value, 1)
+
+
 def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], path: Path) -> None:
     """Write report.html.
 
@@ -58,7 +64,9 @@ def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], p
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters |= {'number': number, 'significant': significant, 'strut': strut_label}
+    environment.filters |= {
+        'number': number, 'percent': percent, 'significant': significant, 'strut': strut_label,
+    }  # fmt: skip
     environment.globals['style'] = environment.loader.get_source(  # type: ignore[union-attr]
         environment, 'style.css'
     )[0]
@@ -70,6 +78,7 @@ def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], p
         headings=KIND_HEADINGS,
         spans=_spans(result),
         parameter_names=_parameter_names(result),
+        trust=list(TRUST),
         figures=[(figure, _embedded(figure.path)) for figure in figures],
         settings=_text(result['settings']),
         rig=_text(result['rig']),
@@ -86,10 +95,10 @@ def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], p
 def _spans(result: dict[str, Any]) -> list[str]:
     """Sentences on the windows and the tones."""
     found = []
-    for name, told in (('uncontrolled', 'Without control'), ('controlled', 'Under control')):
+    for name, words in (('uncontrolled', 'Without control'), ('controlled', 'Under control')):
         span = result['windows'][name]
         if span:
-            found.append(f'{told}: {span[0]:g} to {span[1]:g} s.')
+            found.append(f'{words}: {span[0]:g} to {span[1]:g} s.')
     tones = ', '.join(f'{f:g}' for f in result['frequencies'])
     if tones:
         found.append(f'Tone{"s" if len(result["frequencies"]) > 1 else ""}: {tones} Hz.')

@@ -7,18 +7,17 @@ from typing import TYPE_CHECKING
 from satvib_common.door import door
 
 if TYPE_CHECKING:
+    from satvib_experiment.scenario.folder import listed_scenarios, scenario_names
     from satvib_experiment.scenario.scenario import (
         AnalysisSettings,
         PhaseStep,
         Scenario,
         check_scenario,
         load_scenario,
-        scenario_names,
     )
     from satvib_experiment.scenario.settings_file import (
         load_settings,
         names_in,
-        nearest,
         resolve_path,
         settings_path,
     )
@@ -28,10 +27,10 @@ __all__ = [
     'PhaseStep',
     'Scenario',
     'check_scenario',
+    'listed_scenarios',
     'load_scenario',
     'load_settings',
     'names_in',
-    'nearest',
     'resolve_path',
     'scenario_names',
     'settings_path',

@@ -23,19 +23,13 @@ from satvib_plant_sim.plant.failures import Failure, check_failures
 from satvib_plant_sim.rig.any_rig import AnyRig, load_any_rig, strut_count
 
 from satvib_experiment.scenario.centralized_scheme import centralized_parameters, take_gains
-from satvib_experiment.scenario.settings_file import (
-    load_settings,
-    names_in,
-    resolve_path,
-    settings_path,
-)
+from satvib_experiment.scenario.folder import scenario_path
+from satvib_experiment.scenario.settings_file import load_settings, resolve_path
 
 if TYPE_CHECKING:
     from satvib_control.parameters import ControllerParameters
     from satvib_ident.parameters import IdentifierParameters
     from satvib_plant_sim.disturbance import Disturbance
-
-FOLDER = Path(__file__).parents[1] / 'scenarios'
 
 # What the scenario gives to every node itself, so that no two of them can disagree.
 _SHARED = ('sample_rate', 'lockstep', 'model_period')
@@ -164,14 +158,14 @@ class Scenario(Schema):
         )
 
     def controller_parameters(
-        self, rate: float, lockstep: bool = True, strut: int = 0, struts: int | None = None
+        self, rate: float, lockstep: bool = True, strut_index: int = 0, struts: int | None = None
     ) -> ControllerParameters:
         """Give the parameters of a strut's controller, or of the centralized one.
 
         Args:
             rate: Hz.
             lockstep: no clock.
-            strut: counts from 0; of no meaning in the centralized scheme, whose one controller has all struts.
+            strut_index: from 0; of no meaning in the centralized scheme, whose one controller has all struts.
             struts: how many there are; None: the rig is asked.
         """
         from satvib_control.parameters import ControllerParameters
@@ -182,7 +176,7 @@ class Scenario(Schema):
                 self.name, self.load_rig(), self.controller, self.centralized,
                 self._shared(rate, lockstep),
             )  # fmt: skip
-        own = {'strut': strut, 'struts': struts or strut_count(self.load_rig())}
+        own = {'strut': strut_index, 'struts': struts or strut_count(self.load_rig())}
         return ControllerParameters.from_mapping(
             self.controller | self._shared(rate, lockstep) | own,
             f'scenario {self.name}: controller',
@@ -191,11 +185,6 @@ class Scenario(Schema):
     def _shared(self, rate: float, lockstep: bool) -> dict[str, Any]:
         values = (float(rate), lockstep, self.model_period)
         return dict(zip(_SHARED, values, strict=True))
-
-
-def scenario_names() -> list[str]:
-    """Names of the scenarios that come with the package."""
-    return names_in(FOLDER)
 
 
 def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scenario:
@@ -217,15 +206,6 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
     scenario = scenario.replace(rig=rig)
     check_scenario(scenario, str(path))
     return scenario
-
-
-def scenario_path(name_or_path: str | Path) -> Path:
-    """Where a scenario is.
-
-    Raises:
-        SatvibError: neither a name of the package's nor a file.
-    """
-    return settings_path('scenario', name_or_path, FOLDER)
 
 
 def check_scenario(scenario: Scenario, where: str) -> None:

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Names, paths and contents of settings files: what scenarios, studies and campaigns share."""
 
-import difflib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,13 +9,7 @@ from typing import Any
 from satvib_common.errors import SatvibError
 from satvib_common.schema import load_yaml
 from satvib_common.settings_text import change_settings
-
-
-def nearest(name: str, known: Sequence[str]) -> str:
-    """Words that lead from a wrong name to the right one."""
-    close = difflib.get_close_matches(name, known, n=1)
-    listed = f'known: {", ".join(known)}'
-    return f'did you mean {close[0]}? ({listed})' if close else listed
+from satvib_common.suggestions import nearest
 
 
 def resolve_path(name_or_path: str, folder: Path) -> str:

@@ -1,53 +1,41 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Takes down what the offline twin does, in the fields of the messages that the live graph would publish."""
+"""Records what the offline twin does, in the fields of the messages that the live graph would publish."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.phases import PhasePlan
-from satvib_control.laws.base import STATE_FIELDS
 from satvib_control.laws.reasons import text_of
 from satvib_plant_sim.plant.failures import CONTROLLER, Failure
+from satvib_plant_sim.plant.observation import Sample, Truth
 from satvib_plant_sim.rig.any_rig import AnyRig
 
 from satvib_experiment.recording.recording import Group, Recording
 from satvib_experiment.scenario.scenario import Scenario
 from satvib_experiment.twin.step import LoopStep
 
-SAMPLE = ('upper', 'lower')
-VOLTAGE = ('voltage', 'saturated', 'fault')
-MODEL = (
-    'a', 'b', 'standard_deviation', 'covariance', 'prediction_error', 'noise_variance', 'bias',
-    'updates', 'excitation_order', 'information_eigenvalue', 'information_condition', 'whiteness',
-    'pole_modulus', 'converged', 'reasons',
-)  # fmt: skip
-OUTPUT = (
-    'reference', 'output', 'voltage', 'upper_rms', 'bias_upper', 'bias_lower', 'adapting',
-    'saturated', 'fault', 'reason',
-)  # fmt: skip
-SPOKEN = ('voltage', 'state')  # what a controller says, as long as it lives
-TRUTH = ('upper', 'lower', 'stroke', 'stroke_peak', 'force_peak', 'current')
-
-
-# fields whose name in the message is another
-_NAMES = {'reasons': 'reason'}
+SPOKEN = ('voltage', 'state')  # what a controller publishes, as long as it runs
 
 
 def _plain(name: str, array: NDArray[Any]) -> NDArray[Any]:
     """Give a field as the message holds it: texts for codes, matrices row by row."""
-    if name == 'reason':
+    if name == 'reason' and array.dtype.kind == 'i':
         codes, inverse = np.unique(array, return_inverse=True)
         return np.array([text_of(code) for code in codes])[inverse.reshape(array.shape)]
-    if name == 'reasons':
+    if array.dtype == object:
         return array.astype(str)
-    if name == 'covariance':
-        return array.reshape(*array.shape[:-2], -1)
-    return array
+    return array.reshape(*array.shape[:2], -1) if array.ndim > 3 else array
+
+
+def _fields(observed: Sample | Truth) -> dict[str, Any]:
+    """Give the arrays of what a plant gives, by name; they are named as in the messages."""
+    return {f.name: getattr(observed, f.name) for f in fields(observed) if f.name != 'sequence'}
 
 
 class StepRecorder:
@@ -67,23 +55,18 @@ class StepRecorder:
         self._arrays: dict[tuple[str, str], NDArray[Any]] = {}
 
     def add(self, step: LoopStep) -> None:
-        """Take down one sample."""
+        """Take one sample."""
         k = step.sequence
-        self._put(k, 'acceleration', SAMPLE, step.sample)
-        self._put(k, 'voltage', VOLTAGE, step.output)
-        self._put(k, 'model', MODEL, step.identification)
-        self._put(k, 'state', OUTPUT, step.output)
-        self._put(k, 'state', STATE_FIELDS, step.output.state, skip=OUTPUT)
+        self._put(k, 'acceleration', _fields(step.sample))
+        self._put(k, 'voltage', step.output.voltages())
+        self._put(k, 'model', step.identification.figures())
+        self._put(k, 'state', step.output.figures())
         if self.truth:
-            self._put(k, 'truth', TRUTH, step.truth)
+            self._put(k, 'truth', _fields(step.truth))
 
-    def _put(
-        self, k: int, group: str, names: tuple[str, ...], values: Any, skip: tuple[str, ...] = ()
-    ) -> None:
-        for name in names:
-            if name in skip:
-                continue
-            value = np.asarray(getattr(values, name))
+    def _put(self, k: int, group: str, figures: Mapping[str, Any]) -> None:
+        for name, values in figures.items():
+            value = np.asarray(values)
             array = self._arrays.get((group, name))
             if array is None:
                 array = np.zeros((self.plan.end, *value.shape), dtype=value.dtype)
@@ -101,13 +84,13 @@ class StepRecorder:
         groups: dict[str, Group] = {}
         for (group, name), array in self._arrays.items():
             picked = array[:, trial] if self.shape else array
-            groups.setdefault(group, {})[_NAMES.get(name, name)] = _plain(name, picked)
+            groups.setdefault(group, {})[name] = _plain(name, picked)
         end, dt = self.plan.end, self.dt
         struts = groups['acceleration']['upper'].shape[1]
-        for group, fields in groups.items():
-            fields['present'] = np.ones((end, struts), dtype=bool)
+        for group, arrays in groups.items():
+            arrays['present'] = np.ones((end, struts), dtype=bool)
             if group in SPOKEN:
-                _silence(fields, scenario.failures, dt)
+                _silence(arrays, scenario.failures, dt)
         return Recording(
             struts=tuple(f'strut_{i + 1}' for i in range(struts)),
             sample_period=dt,
@@ -122,13 +105,13 @@ class StepRecorder:
         )
 
 
-def _silence(fields: Group, failures: Sequence[Failure], dt: float) -> None:
-    """Leave out what a controller would have said after it was killed."""
+def _silence(arrays: Group, failures: Sequence[Failure], dt: float) -> None:
+    """Leave out what a controller would have published after it was killed."""
     for failure in failures:
         if failure.kind != CONTROLLER:
             continue
         struts = slice(None) if failure.strut == 0 else slice(failure.strut - 1, failure.strut)
-        for name, values in fields.items():
+        for name, values in arrays.items():
             late = values[failure.sample(dt) :, struts]
             if name == 'present':
                 late[...] = False

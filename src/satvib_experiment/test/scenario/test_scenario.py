@@ -9,12 +9,8 @@ import yaml
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_common.settings_text import change_settings
-from satvib_experiment.scenario.scenario import (
-    FOLDER,
-    Scenario,
-    load_scenario,
-    scenario_names,
-)
+from satvib_experiment.scenario.folder import FOLDER, listed_scenarios, scenario_names
+from satvib_experiment.scenario.scenario import Scenario, load_scenario
 
 
 @pytest.mark.parametrize('name', scenario_names())
@@ -25,10 +21,21 @@ def test_every_scenario_of_the_package_loads_and_comes_back(name):
     assert Scenario.from_mapping(scenario.to_mapping()) == scenario
     rate = scenario.load_rig().acquisition.sample_rate
     assert scenario.identifier_parameters(rate).sample_rate == rate
-    parameters = scenario.controller_parameters(rate, strut=2)
+    parameters = scenario.controller_parameters(rate, strut_index=2)
     assert parameters.sample_rate == rate
     # one controller for all struts is not that of a certain one
     assert parameters.strut == (0 if scenario.scheme == 'centralized' else 2)
+
+
+def test_the_list_of_scenarios_says_what_they_are():
+    """Truth: each of them loaded."""
+    for listed in listed_scenarios():
+        scenario = load_scenario(listed.name)
+        rate = scenario.load_rig().acquisition.sample_rate
+        law = scenario.controller_parameters(rate).law
+        assert listed == (
+            scenario.name, scenario.rig, law, scenario.duration, scenario.description
+        )  # fmt: skip
 
 
 def test_the_paper_scenario_has_the_phases_of_the_paper():

@@ -4,7 +4,6 @@
 
 import numpy as np
 import pytest
-from satvib_bringup.live.graph import graph_of
 from satvib_common.errors import SatvibError
 from satvib_experiment.recording.recording import differences
 from satvib_experiment.scenario.scenario import Scenario, load_scenario
@@ -114,18 +113,3 @@ def test_wrong_gains_and_rigs_without_geometry_are_refused():
             short('scheme=centralized', f'centralized={gains}')
     with pytest.raises(SatvibError, match='set scheme: centralized in the scenario'):
         simulate(short('controller.law=centralized'))
-
-
-def test_a_kill_needs_real_time_and_names_its_process():
-    """In lockstep the plant would wait for ever; in real time the graph says who dies when."""
-    scenario = failing('{kind: controller_killed, strut: 2, time: 2.0}')
-    with pytest.raises(SatvibError, match='run it with --realtime, or simulate it'):
-        graph_of(scenario)
-    graph = graph_of(scenario, realtime=True)
-    assert graph.deaths == ((400, 'strut_2/strut_controller'),)
-    assert graph.silenced() == {'strut_2'}
-    central = graph_of(failing('{kind: controller_killed, time: 2.0}', *CENTRAL), realtime=True)
-    assert central.deaths == ((400, 'centralized_controller'),)
-    assert central.silenced() == {'strut_1', 'strut_2', 'strut_3'}
-    plant = next(p for p in graph.processes if p.name == 'plant_sim')
-    assert plant.parameters['failures'] == '[]'

@@ -10,7 +10,7 @@ The model is published for every sample of a phase in which it is estimated, and
 
 import numpy as np
 from satvib_common.phases import Phase, PhasePlan
-from satvib_common.ros.convert import check_period, doubles, plan_of
+from satvib_common.ros.convert import check_period, fill, plan_of
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
@@ -110,20 +110,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         m = self.message
         m.header = sample.header
         m.sequence = sample.sequence
-        m.a, m.b = doubles(found.a), doubles(found.b)
-        m.standard_deviation = doubles(found.standard_deviation)
-        m.covariance = doubles(found.covariance)
-        m.prediction_error = float(found.prediction_error)
-        m.noise_variance = float(found.noise_variance)
-        m.bias = float(found.bias)
-        m.updates = int(found.updates)
-        m.excitation_order = int(found.excitation_order)
-        m.information_eigenvalue = float(found.information_eigenvalue)
-        m.information_condition = float(found.information_condition)
-        m.whiteness = float(found.whiteness)
-        m.pole_modulus = float(found.pole_modulus)
-        m.converged = bool(found.converged)
-        m.reason = found.reason
+        fill(m, found.figures())
         self.publisher.publish(m)
 
 

@@ -14,8 +14,8 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.settings_text import RIG_CHANGES, change_setting, setting_text
+from satvib_common.suggestions import nearest
 from satvib_experiment.scenario.scenario import Scenario, check_scenario, load_scenario
-from satvib_experiment.scenario.settings_file import nearest
 
 from satvib_studies.campaign.drawing.sampling import draw
 from satvib_studies.campaign.settings import Campaign

@@ -12,12 +12,12 @@ from satvib_experiment.report.style import OPEN as GREY
 from satvib_experiment.report.style import STRUTS, figure, legend
 
 from satvib_studies.comparison.cases import OPEN
-from satvib_studies.comparison.runs import Outcome
+from satvib_studies.comparison.runs import ComparisonResult
 
 _WINDOW = 0.25  # s
 
 
-def draw(found: Outcome, path: Path) -> None:
+def draw(found: ComparisonResult, path: Path) -> None:
     """Draw the medians over the seeds as lines, best and worst as bands."""
     c = found.comparison
     cases = c.case_list()

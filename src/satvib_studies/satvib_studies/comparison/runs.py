@@ -27,7 +27,7 @@ Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ComparisonResult:
     """What became of a comparison.
 
     Attributes:
@@ -61,7 +61,7 @@ class Outcome:
         return np.asarray(np.sqrt(self.tilt[scheme][i, :, w].mean(axis=-1)))
 
 
-def run_comparison(comparison: Comparison, progress: Progress | None = None) -> Outcome:
+def run_comparison(comparison: Comparison, progress: Progress | None = None) -> ComparisonResult:
     """Run every scheme in every case with every seed.
 
     Args:
@@ -103,4 +103,4 @@ def run_comparison(comparison: Comparison, progress: Progress | None = None) -> 
         level[scheme] = squares[0].reshape(*shape, -1)
         tilt[scheme] = squares[1].reshape(*shape, -1)
         voltage[scheme] = largest.reshape(shape)
-    return Outcome(comparison, dt, level, tilt, voltage)
+    return ComparisonResult(comparison, dt, level, tilt, voltage)

@@ -10,7 +10,7 @@ import numpy as np
 from satvib_common.arrays import Array
 
 from satvib_studies.comparison.cases import OPEN
-from satvib_studies.comparison.runs import Outcome
+from satvib_studies.comparison.runs import ComparisonResult
 
 _HEADINGS = {
     'before': 'before the event',
@@ -24,7 +24,7 @@ def spread(values: Array) -> str:
     return f'{np.median(values):+.1f} ({values.min():+.1f} … {values.max():+.1f})'
 
 
-def attenuation_table(found: Outcome, window: str) -> str:
+def attenuation_table(found: ComparisonResult, window: str) -> str:
     """Give the attenuation of every scheme in every case, dB; the best median of a row in bold."""
     c = found.comparison
     schemes = list(c.schemes)
@@ -39,7 +39,7 @@ def attenuation_table(found: Outcome, window: str) -> str:
     return '\n'.join(lines) + '\n'
 
 
-def tilt_table(found: Outcome, window: str = 'settled') -> str:
+def tilt_table(found: ComparisonResult, window: str = 'settled') -> str:
     """Give the RMS of the tilts, mm/s^2 at the struts' circle, and the largest voltage of each scheme."""
     c = found.comparison
     schemes = list(c.schemes)
@@ -56,7 +56,7 @@ def tilt_table(found: Outcome, window: str = 'settled') -> str:
     return '\n'.join(lines) + '\n'
 
 
-def tables(found: Outcome) -> dict[str, str]:
+def tables(found: ComparisonResult) -> dict[str, str]:
     """Give all tables by the marks of the page that they belong to."""
     made = {
         f'compare {window}': attenuation_table(found, window) for window in ('after', 'settled')
@@ -64,7 +64,7 @@ def tables(found: Outcome) -> dict[str, str]:
     return made | {'compare tilts': tilt_table(found)}
 
 
-def plain(found: Outcome) -> dict[str, Any]:
+def plain(found: ComparisonResult) -> dict[str, Any]:
     """Give the numbers: by case and scheme, attenuation by window seed by seed, tilts, voltage."""
     c = found.comparison
     result: dict[str, Any] = {'comparison': c.to_mapping(), 'cases': {}}

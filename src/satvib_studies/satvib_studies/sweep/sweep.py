@@ -30,9 +30,10 @@ import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_common.schema import Schema, param
+from satvib_common.suggestions import nearest
 from satvib_experiment.recording.recording import Recording
 from satvib_experiment.scenario.scenario import Scenario, check_scenario
-from satvib_experiment.scenario.settings_file import load_settings, names_in, nearest, settings_path
+from satvib_experiment.scenario.settings_file import load_settings, names_in, settings_path
 
 FOLDER = Path(__file__).parents[1] / 'sweeps'
 KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')

@@ -83,7 +83,8 @@ def read_disturbance(text: str) -> dict[str, Any]:
     Raises:
         SatvibError: none of these.
     """
-    from satvib_experiment.scenario.scenario import load_scenario, scenario_names
+    from satvib_experiment.scenario.folder import scenario_names
+    from satvib_experiment.scenario.scenario import load_scenario
 
     if text in scenario_names():
         return dict(load_scenario(text).disturbance)

@@ -61,7 +61,7 @@ def identify(
 ) -> None:
     """Identify a model of a record by recursive estimation; compare orders, and say which one and why."""
     from satvib_common.errors import SatvibError
-    from satvib_experiment.recording.input_output import bag_record, csv_record
+    from satvib_experiment.recording.input_output import read_csv, read_strut
 
     from satvib_bringup.cli.console import make_console
     from satvib_bringup.cli.identification_view import show_identification
@@ -75,9 +75,9 @@ def identify(
         if target is not None and target.exists():
             raise SatvibError(f'{target}: exists already, not overwritten')
     if file.suffix.lower() in {'.csv', '.tsv', '.txt'}:
-        record = csv_record(file, input_column, output_column, sample_period)
+        record = read_csv(file, input_column, output_column, sample_period)
     else:
-        record = bag_record(file, strut)
+        record = read_strut(file, strut)
     late = record.delay if delay is None else delay
     orders = [(n, coefficients or n + 1, late) for n in order or range(1, 9)]
 

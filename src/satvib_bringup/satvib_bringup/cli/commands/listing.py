@@ -6,18 +6,16 @@
 def scenarios() -> None:
     """List the scenarios that come with satvib."""
     from rich.table import Table
-    from satvib_experiment.scenario.scenario import load_scenario, scenario_names
+    from satvib_experiment.scenario.folder import listed_scenarios
 
     from satvib_bringup.cli.console import make_console
 
     table = Table(title='Scenarios')
     for heading in ('name', 'rig', 'law', 'length', 'what it shows'):
         table.add_column(heading)
-    for name in scenario_names():
-        scenario = load_scenario(name)
-        rate = scenario.load_rig().acquisition.sample_rate
-        law = scenario.controller_parameters(rate).law
-        table.add_row(name, scenario.rig, law, f'{scenario.duration:g} s', scenario.description)
+    for found in listed_scenarios():
+        length = f'{found.duration:g} s'
+        table.add_row(found.name, found.rig, found.law, length, found.description)
     make_console().print(table)
 
 

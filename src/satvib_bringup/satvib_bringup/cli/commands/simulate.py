@@ -10,6 +10,7 @@ def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder =
 
     Writes recording.npz, scenario.yaml, report.html, result.json and figures/ into a new folder.
     """
+    from satvib_experiment.analysis.running_attenuation import TwinProgress
     from satvib_experiment.recording.run_folder import (
         free_run_folder,
         make_run_folder,
@@ -20,7 +21,6 @@ def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder =
     from satvib_experiment.twin.closed_loop import simulate as run_twin
 
     from satvib_bringup.cli.console import ProgressView, make_console, show_result
-    from satvib_bringup.live.attenuation import LiveAttenuation
 
     loaded = load_scenario(scenario, settings or [])
     target = free_run_folder(loaded.name, folder)
@@ -28,7 +28,7 @@ def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder =
     write_scenario(loaded, target)
     console = make_console()
     with ProgressView(console, loaded.duration, f'simulate {loaded.name}') as view:
-        recording = run_twin(loaded, LiveAttenuation(loaded, view.update))
+        recording = run_twin(loaded, TwinProgress(loaded, view.update))
         elapsed = view.elapsed
     recording.save(target / 'recording.npz')
     report = write_report(recording, target)

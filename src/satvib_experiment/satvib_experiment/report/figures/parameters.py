@@ -6,17 +6,21 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from satvib_common.arrays import Array
 
 from satvib_experiment.report.context import Context
-from satvib_experiment.report.style import STRUTS, figure, legend, shade_phases, strut_label
+from satvib_experiment.report.models import trust_limits
+from satvib_experiment.report.style import INK, STRUTS, figure, legend, shade_phases, strut_label
 from satvib_experiment.twin.noise_free import perfect_parameters
 
 CAPTION = (
     'Parameters of the identified models (Eq. 30) over time, the paper’s Fig. 8. The band is one '
     'standard deviation either way as the estimator states it. Dashed: what the same estimator finds '
-    'from the same excitation with perfect sensors.'
+    'from the same excitation with perfect sensors. Below: the two figures that decide about trust, '
+    'with their limits (dashed).'
 )
+_TRUST_LABELS = {'response_deviation': 'response\ndeviation', 'model_error': 'model\nerror'}
 
 
 def draw(context: Context, path: Path) -> bool:
@@ -31,11 +35,13 @@ def draw(context: Context, path: Path) -> bool:
     labels = [f'$a_{i + 1}$' for i in range(a.shape[2])]
     labels += [f'$b_{i + 1}$' for i in range(b.shape[2])]
     rows = len(labels)
+    trust = {n: v for n, v in trust_limits(context).items() if recording.has('model', n)}
     used = [k for phase, s, e in recording.phases() if phase.name in {'IDENTIFY', 'ADAPT'}
             for k in (s, e)]  # fmt: skip
     limits = (max(used[0] - 0.3, 0.0), used[-1] + 0.5) if used else None
     perfect = perfect_parameters(recording) if context.open_loop is not None else None
-    with figure(path, rows, size=(9.0, 1.35 * rows + 0.8), sharex=True) as (drawn, axes):
+    height = 1.35 * (rows + len(trust)) + 0.8
+    with figure(path, rows + len(trust), size=(9.0, height), sharex=True) as (drawn, axes):
         for row, label in enumerate(labels):
             ax = axes[row, 0]
             for i, name in enumerate(context.struts):
@@ -51,9 +57,27 @@ def draw(context: Context, path: Path) -> bool:
             if limits:
                 ax.set_xlim(*limits)
             shade_phases(ax, recording, names=row == 0)
+        for ax, (quantity, limit) in zip(axes[rows:, 0], trust.items(), strict=True):
+            _draw_trust(ax, context, quantity, limit)
+            if limits:
+                ax.set_xlim(*limits)
+            shade_phases(ax, recording)
         axes[-1, 0].set_xlabel('time [s]')
         legend(drawn, axes[:, 0])
     return True
+
+
+def _draw_trust(ax: Axes, context: Context, quantity: str, limit: float) -> None:
+    """Draw a figure of trust of every strut against its limit; what is far above is cut off."""
+    recording = context.recording
+    values, present = recording.get('model', quantity), recording.get('model', 'present')
+    for i in range(len(context.struts)):
+        on = present[:, i]
+        ax.plot(recording.time[on], values[on, i], color=STRUTS[i % 6])
+    if np.isfinite(limit):
+        ax.axhline(limit, color=INK, ls='--', lw=0.9)
+        ax.set_ylim(0.0, 3.0 * limit)
+    ax.set_ylabel(_TRUST_LABELS[quantity], rotation=0, ha='right', va='center')
 
 
 def _fit_view(ax: Any, time: Array, value: Array, limits: tuple[float, float] | None) -> None:

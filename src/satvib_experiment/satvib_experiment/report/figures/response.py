@@ -55,7 +55,9 @@ def draw(context: Context, path: Path) -> bool:
     return True
 
 
-def _title(context: Context, strut: int, label: str) -> str:
-    errors = response_errors(context, strut)
-    told = [f'{e["phase"]:+.0f}° {e["magnitude"]:+.1f} dB at {e["frequency"]:g} Hz' for e in errors]
-    return f'{label}: {", ".join(told)}' if told else label
+def _title(context: Context, strut_index: int, label: str) -> str:
+    errors = response_errors(context, strut_index)
+    shown = [
+        f'{e["phase"]:+.0f}° {e["magnitude"]:+.1f} dB at {e["frequency"]:g} Hz' for e in errors
+    ]
+    return f'{label}: {", ".join(shown)}' if shown else label

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TextIO
 
 import numpy as np
+
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-
-from satvib_experiment.scenario.settings_file import nearest
+from satvib_common.suggestions import nearest
 
 
 def read_columns(path: Path, names: Sequence[str]) -> list[Array]:

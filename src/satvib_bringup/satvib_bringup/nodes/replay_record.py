@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.csv_columns import read_columns
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import Schema, param
-from satvib_experiment.recording.csv_columns import read_columns
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +55,7 @@ class ReplayParameters(Schema):
 
 
 @dataclass(frozen=True)
-class Record:
+class ReplayRecord:
     """A measured record.
 
     Attributes:
@@ -76,7 +76,7 @@ class Record:
         return self.plan.phases == (Phase.IDENTIFY,)
 
 
-def load_record(parameters: ReplayParameters) -> Record:
+def load_record(parameters: ReplayParameters) -> ReplayRecord:
     """Read the record.
 
     Raises:
@@ -87,22 +87,22 @@ def load_record(parameters: ReplayParameters) -> Record:
     if path.suffix.lower() in {'.csv', '.txt', '.tsv'}:
         voltage, upper = read_columns(path, [p.input, p.output])
         plan = PhasePlan((Phase[p.phase],), (0,), len(upper))
-        return Record(upper, np.full(len(upper), np.nan), voltage, 1.0 / p.sample_rate, plan)
+        return ReplayRecord(upper, np.full(len(upper), np.nan), voltage, 1.0 / p.sample_rate, plan)
     return _from_bag(path, p.strut)
 
 
-def _from_bag(path: Path, strut: str) -> Record:
+def _from_bag(path: Path, strut_name: str) -> ReplayRecord:
     from satvib_experiment.recording.bag_reader import read_recording
 
     recording = read_recording(path)
-    if strut not in recording.struts:
-        raise SatvibError(f'{path}: no {strut} in it; there are {", ".join(recording.struts)}')
-    i = recording.struts.index(strut)
+    if strut_name not in recording.struts:
+        raise SatvibError(f'{path}: no {strut_name} in it; there are {", ".join(recording.struts)}')
+    i = recording.struts.index(strut_name)
 
     def column(group: str, name: str) -> Array:
         return np.asarray(recording.get(group, name)[:, i], dtype=float)
 
-    return Record(
+    return ReplayRecord(
         column('acceleration', 'upper'),
         column('acceleration', 'lower'),
         column('voltage', 'voltage'),

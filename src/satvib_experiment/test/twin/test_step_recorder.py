@@ -1,0 +1,25 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Each figure has one name: the twin records what the messages of the graph hold."""
+
+from pathlib import Path
+
+import pytest
+from satvib_experiment.recording.topics import TOPICS
+
+MESSAGES = Path(__file__).resolve().parents[3] / 'satvib_msgs' / 'msg'
+# what a message has besides the figures of its strut
+OF_ALL_STRUTS = {'header', 'sequence', 'sample_period', 'delay', 'phase', 'law', 'missed_samples'}
+OF_THE_MACHINE = {'time_step', 'compute_time'}
+
+
+def fields_of(message):
+    lines = (MESSAGES / f'{message}.msg').read_text().splitlines()
+    return {line.split()[1] for line in lines if line.strip() and line[0] != '#'}
+
+
+@pytest.mark.parametrize('group', TOPICS)
+def test_the_twin_records_the_fields_of_the_message(quick_run, group):
+    """Truth: the definition of the message."""
+    wanted = fields_of(TOPICS[group][1]) - OF_ALL_STRUTS - OF_THE_MACHINE - {'fine_period'}
+    assert set(quick_run.groups[group]) - {'present'} == wanted
