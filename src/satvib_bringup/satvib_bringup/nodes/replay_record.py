@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 from satvib_common.arrays import Array
-from satvib_common.csv_columns import read_columns
 from satvib_common.errors import SatvibError
+from satvib_common.files.csv_columns import read_columns
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import Schema, param
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from satvib_common.arrays import Array
-from satvib_common.csv_columns import read_columns
 from satvib_common.errors import SatvibError
+from satvib_common.files.csv_columns import read_columns
 from satvib_common.phases import Phase
 
 from satvib_experiment.recording.load import load_recording

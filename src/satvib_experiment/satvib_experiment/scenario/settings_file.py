@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from satvib_common.errors import SatvibError
+from satvib_common.files.suggestions import nearest
 from satvib_common.schema import load_yaml
 from satvib_common.settings_text import change_settings
-from satvib_common.suggestions import nearest
 
 
 def resolve_path(name_or_path: str, folder: Path) -> str:

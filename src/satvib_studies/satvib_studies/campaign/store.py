@@ -19,7 +19,7 @@ from typing import Any
 
 import pyarrow as pa
 from satvib_common.errors import SatvibError
-from satvib_common.whole_file import write_whole
+from satvib_common.files.whole_file import write_whole
 from satvib_experiment.scenario.scenario import Scenario
 
 from satvib_studies.campaign.report.table import from_bytes, joined, to_bytes

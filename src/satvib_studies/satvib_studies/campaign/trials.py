@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from satvib_common.errors import SatvibError
+from satvib_common.files.suggestions import nearest
 from satvib_common.settings_text import RIG_CHANGES, change_setting, setting_text
-from satvib_common.suggestions import nearest
 from satvib_experiment.scenario.scenario import Scenario, check_scenario, load_scenario
 
 from satvib_studies.campaign.drawing.sampling import draw

@@ -10,7 +10,7 @@ from zipfile import BadZipFile
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-from satvib_common.whole_file import write_whole
+from satvib_common.files.whole_file import write_whole
 
 _FORMAT = 'satvib swarm 1'
 _ARRAYS = ('position', 'velocity', 'best_position', 'best_cost', 'position_found')

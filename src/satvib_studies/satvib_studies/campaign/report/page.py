@@ -16,7 +16,7 @@ import yaml
 from numpy.typing import NDArray
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-from satvib_common.whole_file import write_whole
+from satvib_common.files.whole_file import write_whole
 from satvib_experiment.report.page import number, significant
 from satvib_experiment.report.result import versions
 

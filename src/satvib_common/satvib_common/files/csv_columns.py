@@ -12,7 +12,7 @@ import numpy as np
 
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-from satvib_common.suggestions import nearest
+from satvib_common.files.suggestions import nearest
 
 
 def read_columns(path: Path, names: Sequence[str]) -> list[Array]:

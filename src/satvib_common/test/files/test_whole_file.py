@@ -4,7 +4,7 @@
 
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_common.whole_file import write_whole
+from satvib_common.files.whole_file import write_whole
 
 
 def test_a_file_is_replaced_and_nothing_is_left_beside_it(tmp_path):
