@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The controller of all struts at once: `ControllerCore`, whose struts share one law and one fate.
+"""The controller of all struts at once: `ControllerCore`, whose struts share one law and stop together.
 
 Phases, calibration, excitation and the guard of each voltage are those of a single strut's controller. What makes one
 strut stop (a sensor lost for good, a law that has diverged, no rest in CALIBRATE) stops all of them: there is one law.
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from satvib_common.arrays import Array, Mask
+from satvib_common.arrays import Array, Integers, Mask
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.core.controller import ControllerCore
@@ -47,14 +47,16 @@ class CentralizedCore(ControllerCore):
     ) -> None:
         """Nothing: a model of single struts is not what this law was tuned on."""
 
-    def _causes(self, valid: Mask, verdict: Array) -> Any:
+    def _causes(self, valid: Mask, verdict: Integers) -> Any:
         return _worst(super()._causes(valid, verdict))
 
 
 class _CommonWatch(DivergenceWatch):
     """Takes the law off all struts when the vibration of one of them grows."""
 
-    def step(self, y: Array, applied: Array, saturated: Mask, acting: bool) -> tuple[Array, Array]:
+    def step(
+        self, y: Array, applied: Array, saturated: Mask, acting: bool
+    ) -> tuple[Array, Integers]:
         scale, verdict = super().step(y, applied, saturated, acting)
         least = np.broadcast_to(np.min(scale, axis=-1, keepdims=True), self.shape)
         return least, _worst(verdict)

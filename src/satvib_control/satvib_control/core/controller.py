@@ -11,14 +11,15 @@
 | CONTROL | the law, faded in | what the law wants |
 
 Every voltage leaves through the guard. A missing upper sample gives 0 V for that sample; `loss_limit` of them in a
-row latch a fault. A gap in the sequence is counted and the states stay; a sequence that goes back starts all anew.
+row latch a fault. A gap in the sequence is counted and the states stay. A sequence that goes back starts everything
+again.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from satvib_common.arrays import Array, Mask
+from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.guard import Guarded, VoltageGuard
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.sequence import Arrival, SequenceTracker
@@ -26,7 +27,7 @@ from satvib_common.signals.calibration import BiasCalibration
 from satvib_common.signals.statistics import MovingRms
 from satvib_ident.models.iir_model import IirModel
 
-from satvib_control.core.divergence_watch import DivergenceWatch
+from satvib_control.core.divergence_watch import DivergenceWatch, WatchVerdict
 from satvib_control.core.output import ControllerOutput
 from satvib_control.core.trusted_model import TrustedModel
 from satvib_control.laws.base import LawInput
@@ -49,6 +50,31 @@ UNCAUSAL = reason('the identified model has no delay, so no law can use it: not 
 
 
 __all__ = ['ControllerCore', 'ControllerOutput']
+
+
+class _Measured(NamedTuple):
+    """A sample of the sensors without their biases.
+
+    Attributes:
+        upper: shape, m/s^2; 0 where it was not measured.
+        lower: shape, m/s^2; NaN where it was not measured.
+        valid: shape, bool; the upper acceleration was measured.
+        whole: it was measured everywhere: such a sample takes the short ways.
+    """
+
+    upper: Array
+    lower: Array
+    valid: Mask
+    whole: bool
+
+
+class _Wish(NamedTuple):
+    """What is asked of the guard: V (shape), and what the output shows of it; see `ControllerOutput`."""
+
+    demand: Array
+    reference: Array
+    adapting: Mask
+    reason: Integers
 
 
 class ControllerCore:
@@ -112,10 +138,10 @@ class ControllerCore:
         with np.errstate(all='ignore'):
             sound = (stable(a) > 0.0) & np.all(np.isfinite(b), axis=-1)
         trusted = np.broadcast_to(np.asarray(trusted, dtype=bool), self.shape)
-        told = reasons(why, self.shape)
-        code = np.where(trusted, np.where(sound, 0, UNSTABLE), told)
+        reported = reasons(why, self.shape)
+        code = np.where(trusted, np.where(sound, 0, UNSTABLE), reported)
         if model.delay < 1:
-            sound, code = np.zeros(self.shape, dtype=bool), np.where(trusted, UNCAUSAL, told)
+            sound, code = np.zeros(self.shape, dtype=bool), np.where(trusted, UNCAUSAL, reported)
         self._model_reason = np.broadcast_to(code, self.shape)
         if covariance is not None:
             covariance = np.broadcast_to(covariance, (*self.shape, *covariance.shape[-2:]))
@@ -169,71 +195,110 @@ class ControllerCore:
             self._begin()
         elif arrival is Arrival.GAP and self._last is not None:
             self._missed += k - self._last.sequence - 1
-        p, phase = self.parameters, plan.at(k)
-        upper, lower = np.asarray(upper, dtype=float), np.asarray(lower, dtype=float)
+        phase = plan.at(k)
+        measured = self._without_bias(phase, np.asarray(upper, float), np.asarray(lower, float))
+        if phase not in {Phase.CALIBRATE, Phase.IDENTIFY}:
+            self._hand_over_model()
+        # in ADAPT the law shakes the strut on purpose
+        scale, verdict = self.watch.step(
+            measured.upper, self.guard.voltage, self._saturated, phase == Phase.CONTROL
+        )
+        if verdict.any():
+            self.law.reset(verdict != WatchVerdict.NONE)
+        demand = self.law.step(self._law_input(k, measured), phase)
+        wish = self._wish(demand, scale, k, plan)
+        guarded, why = self._guard(wish, measured, verdict)
+        self._last = ControllerOutput(
+            sequence=k,
+            phase=phase,
+            law=self.parameters.law,
+            voltage=guarded.voltage,
+            output=wish.demand,
+            saturated=guarded.saturated,
+            fault=guarded.fault,
+            state=self.law.state.copy(),
+            reference=wish.reference,
+            upper_rms=self._rms.add(measured.upper),
+            bias_upper=self.calibration_upper.mean,
+            bias_lower=self.calibration_lower.mean,
+            adapting=wish.adapting,
+            reason=why,
+            missed_samples=self._missed,
+        )
+        return self._last
+
+    def _without_bias(self, phase: Phase, upper: Array, lower: Array) -> '_Measured':
+        """Learn the biases in CALIBRATE, and take them away."""
         valid = np.isfinite(upper)
-        whole = bool(valid.all())  # the ordinary sample takes the short ways
+        whole = bool(valid.all())
         if phase == Phase.CALIBRATE:
             self.calibration_upper.add(upper)
             self.calibration_lower.add(lower)
         elif not self._checked_rest:
             self._check_rest()
-        clean = upper - self.calibration_upper.mean
+        upper = upper - self.calibration_upper.mean
         if not whole:
-            clean = np.where(valid, clean, 0.0)
-        lower_clean = lower - self.calibration_lower.mean
-        if not np.isfinite(lower_clean).all():
-            lower_clean = np.where(np.isfinite(lower_clean), lower_clean, np.nan)
-        if phase not in {Phase.CALIBRATE, Phase.IDENTIFY} and self._waiting is not None:
-            model, use, covariance = self._waiting
-            self.law.set_model(model, use, covariance)
-            self.watch.set_model(model, use)
-            self._given.take(model, use)
-            self._waiting = None
-        acting = phase in {Phase.ADAPT, Phase.CONTROL}
-        # in ADAPT the law shakes the strut on purpose
-        scale, verdict = self.watch.step(
-            clean, self.guard.voltage, self._saturated, phase == Phase.CONTROL
-        )
-        judged = bool(verdict.any())
-        if judged:
-            self.law.reset(verdict > 0.0)
+            upper = np.where(valid, upper, 0.0)
+        lower = lower - self.calibration_lower.mean
+        if not np.isfinite(lower).all():
+            lower = np.where(np.isfinite(lower), lower, np.nan)
+        return _Measured(upper, lower, valid, whole)
+
+    def _hand_over_model(self) -> None:
+        """Give law and watch the model that waits for them."""
+        if self._waiting is None:
+            return
+        model, use, covariance = self._waiting
+        self.law.set_model(model, use, covariance)
+        self.watch.set_model(model, use)
+        self._given.take(model, use)
+        self._waiting = None
+
+    def _law_input(self, k: int, measured: '_Measured') -> LawInput:
         # a law that is not let through must not learn from what it asks for
         frozen = self._saturated
         if self.watch.busy:
             frozen = frozen | self.watch.listening()
-        x = LawInput(k, clean, lower_clean, self.guard.voltage, frozen, valid, self._fade)
-        demand = self.law.step(x, phase)
-        state = self.law.state
-        reference, adapting, why = state.reference, state.adapting, state.reason
-        self._fade = self._zero
-        if acting:
-            self._fade = scale * self._fade_in(k, plan, phase)
-            demand = demand * self._fade
-            if self.law.needs_model:
-                why = np.where(self._model_reason != 0, self._model_reason, why)
-            if self.watch.busy:
-                why = np.where(self.watch.reduced(), REDUCED, why)
-                why = np.where(self.watch.listening(), LISTENING, why)
-        else:
-            adapting, why = self._nobody, self._no_reason
-            reference = demand = self._zero
-            if phase == Phase.IDENTIFY:
-                reference = demand = self._signals.at(k - plan.start_of(k))
-        alarmed = self._alarmed or judged or not whole
-        stop = self._causes(valid, verdict) if alarmed else None
-        guarded = self.guard.apply(
-            demand if whole else np.where(valid, demand, 0.0), False if stop is None else stop != 0
+        return LawInput(
+            sequence=k,
+            upper=measured.upper,
+            lower=measured.lower,
+            applied=self.guard.voltage,
+            saturated=frozen,
+            valid=measured.valid,
+            fade=self._fade,
         )
+
+    def _wish(self, demand: Array, scale: Array, k: int, plan: PhasePlan) -> '_Wish':
+        """What the phase makes of the law's demand (shape, V)."""
+        phase, state = plan.at(k), self.law.state
+        if phase not in {Phase.ADAPT, Phase.CONTROL}:
+            self._fade = signal = self._zero
+            if phase == Phase.IDENTIFY:
+                signal = self._signals.at(k - plan.start_of(k))
+            return _Wish(signal, signal, self._nobody, self._no_reason)
+        self._fade = scale * self._fade_in(k, plan, phase)
+        why = state.reason
+        if self.law.needs_model:
+            why = np.where(self._model_reason != 0, self._model_reason, why)
+        if self.watch.busy:
+            why = np.where(self.watch.reduced(), REDUCED, why)
+            why = np.where(self.watch.listening(), LISTENING, why)
+        return _Wish(demand * self._fade, state.reference, state.adapting, why)
+
+    def _guard(
+        self, wish: '_Wish', measured: '_Measured', verdict: Integers
+    ) -> tuple[Guarded, Integers]:
+        """Let the wish through the guard; give what came out and the reasons (shape)."""
+        valid, whole = measured.valid, measured.whole
+        alarmed = self._alarmed or bool(verdict.any()) or not whole
+        stop = self._causes(valid, verdict) if alarmed else None
+        demand = wish.demand if whole else np.where(valid, wish.demand, 0.0)
+        guarded = self.guard.apply(demand, False if stop is None else stop != 0)
         self._saturated = guarded.saturated
         if alarmed or guarded.fault.any():
-            why = self._explain(guarded, valid, why, stop)
-        self._last = ControllerOutput(
-            k, phase, p.law, guarded.voltage, demand, guarded.saturated, guarded.fault,
-            state.copy(), reference, self._rms.add(clean), self.calibration_upper.mean,
-            self.calibration_lower.mean, adapting, why, self._missed,
-        )  # fmt: skip
-        return self._last
+            return guarded, self._explain(guarded, valid, wish.reason, stop)
+        return guarded, wish.reason
 
     def _fade_in(self, k: int, plan: PhasePlan, phase: Phase) -> float:
         """Share of the law's voltage while CONTROL begins."""
@@ -242,11 +307,11 @@ class ControllerCore:
             return 1.0
         return min((k - plan.start_of(k) + 1) / max(p.switch_on_time * p.sample_rate, 1.0), 1.0)
 
-    def _causes(self, valid: Mask, verdict: Array) -> Any:
+    def _causes(self, valid: Mask, verdict: Integers) -> Any:
         """What stops the voltage for good, as codes (shape); 0 for nothing."""
         self._lost = np.where(valid, 0, self._lost + 1)
         cause = np.where(self._lost >= self.parameters.loss_limit, LOST_LONG, 0)
-        cause = np.where(verdict == 2.0, DIVERGED, cause)
+        cause = np.where(verdict == WatchVerdict.DIVERGED, DIVERGED, cause)
         cause = np.where(self._stop, STOPPED, cause)
         return np.where(self._fault_reason != 0, self._fault_reason, cause)
 

@@ -38,7 +38,7 @@ def controlled(voltage):
 
 @pytest.mark.parametrize('law', NEEDS_MODEL)
 def test_a_law_without_its_model_gives_0_v_and_says_so(make_isolator, make_loop, settings, law):
-    """The reason that the identifier gave is told on."""
+    """The reason that the identifier gave is shown."""
     p = settings(sample_rate=RATE, law=law)
     loop = make_loop(p, make_isolator(RATE), PLAN, trusted=False)
     _, u = loop.run(COUNT, *waves())

@@ -34,14 +34,14 @@ class Broken(BasicLaw):
 
 
 class Spy(BasicLaw):
-    """Keeps what it is told."""
+    """Keeps what it is given."""
 
     def __init__(self, parameters, dt, shape=()):
         super().__init__(parameters, dt, shape)
-        self.told = []
+        self.given = []
 
     def step(self, x: LawInput, phase: Phase) -> Array:
-        self.told.append((phase, x))
+        self.given.append((phase, x))
         return np.full(self.shape, 10.0)
 
 
@@ -113,13 +113,13 @@ def test_a_demand_that_is_not_finite_latches_a_fault(settings):
     assert outs[-1].reason_text() == 'fault: the law asked for a voltage that is not finite'
 
 
-def test_the_limit_and_the_slew_limit_hold_and_the_law_is_told(settings):
+def test_the_limit_and_the_slew_limit_hold_and_the_law_is_given_what_is_left(settings):
     """Truth: 10 V asked, 3 V allowed, 100 V/s at 100 Hz: 1, 2, 3, 3 V."""
     core = core_with(settings, Spy, voltage_limit=3.0, slew_limit=100.0, excitation_amplitude=1.0)
     voltages = [float(core.step(k, ALWAYS, np.array(0.0), np.array(0.0)).voltage) for k in range(4)]
     assert voltages == [1.0, 2.0, 3.0, 3.0]
-    assert [float(x.applied) for _, x in core.law.told] == [0.0, 1.0, 2.0, 3.0]
-    assert [bool(x.saturated) for _, x in core.law.told] == [False, True, True, True]
+    assert [float(x.applied) for _, x in core.law.given] == [0.0, 1.0, 2.0, 3.0]
+    assert [bool(x.saturated) for _, x in core.law.given] == [False, True, True, True]
 
 
 def test_control_fades_in(settings):
@@ -162,7 +162,7 @@ def test_new_settings_are_taken_while_running(settings):
 
 
 @pytest.mark.parametrize(
-    ('model', 'trusted', 'why', 'told'),
+    ('model', 'trusted', 'why', 'given'),
     [
         (
             IirModel([-1.2], [1.0], 1, 0.01),
@@ -185,20 +185,20 @@ def test_new_settings_are_taken_while_running(settings):
         (IirModel([0.5], [1.0], 1, 0.01), False, 'not excited', 'not excited'),
     ],
 )
-def test_a_model_that_cannot_be_used_is_refused_by_name(settings, model, trusted, why, told):
+def test_a_model_that_cannot_be_used_is_refused_by_name(settings, model, trusted, why, given):
     core = ControllerCore(settings(sample_rate=RATE))
     core.set_model(model, trusted, why)
     out = core.step(0, ALWAYS, np.array(1.0), np.array(0.0))
     assert out.voltage == 0.0
-    assert out.reason_text() == told
+    assert out.reason_text() == given
 
 
 def test_a_model_that_is_not_new_is_not_designed_for_again(settings):
-    """Truth: what the law is told: nothing in IDENTIFY, then each new model once, and for the struts it is new for."""
+    """Truth: what the law is given: nothing in IDENTIFY, then each new model once, and for the struts it is new for."""
 
     class Listener(Spy):
         def set_model(self, model, trusted, covariance=None):  # noqa: ARG002
-            self.told.append(trusted.tolist())
+            self.given.append(trusted.tolist())
 
         def step(self, x, phase):  # noqa: ARG002
             return np.zeros(self.shape)
@@ -211,7 +211,7 @@ def test_a_model_that_is_not_new_is_not_designed_for_again(settings):
         if k % 10 == 0:
             core.set_model(first if k < 40 else second, [True, k > 20])
         core.step(k, plan, np.zeros(2), np.zeros(2))
-    assert core.law.told == [[True, False], [False, True], [False, True]]
+    assert core.law.given == [[True, False], [False, True], [False, True]]
 
 
 def test_the_whole_paper_sequence_has_the_same_bits_in_any_batch(

@@ -40,7 +40,7 @@ def test_a_law_on_a_wrong_model_is_taken_off_and_the_vibration_stays_small(
     assert y[tail].std() < 0.2 * y_blind[tail].std()
 
 
-def test_three_strikes_are_a_fault(make_isolator, make_loop, settings):
+def test_the_cause_for_the_third_time_is_a_fault(make_isolator, make_loop, settings):
     """A gain so far beyond the bound that a quarter of it is unstable too. Truth: 0 V for good, and the reason."""
     model = make_isolator(RATE, gain=0.1)  # so the proven gain is twelve times too large
     loop = watched(make_loop, settings, make_isolator(RATE, gain=1.2), model)
