@@ -6,6 +6,8 @@ A hand-over brings a model for every strut, but only some of them are trusted. T
 the new model has another order: polynomials grow to the longest model so far, and shorter ones end with zeros.
 """
 
+from typing import Any
+
 import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.signals.iir_filter import iir_step
@@ -14,8 +16,8 @@ from satvib_ident.models.iir_model import IirModel
 from satvib_control.model_analysis.transfer import model_polynomials
 
 
-def select(mask: Mask, new: Array | float, old: Array) -> Array:
-    """Give `new` where the mask (shape) holds and `old` (*shape, ...) elsewhere, a new array."""
+def select(mask: Mask, new: Any, old: Any) -> Any:
+    """Give `new` where the mask (shape) holds and `old` (*shape, ...) elsewhere, a new array of any kind."""
     further = (1,) * (np.ndim(old) - np.ndim(mask))
     return np.where(np.reshape(mask, np.shape(mask) + further), new, old)
 

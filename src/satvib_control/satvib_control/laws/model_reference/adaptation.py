@@ -10,20 +10,36 @@ The MIT rule (the paper: dtheta/dt = -gamma e de/dtheta) with e = y - y_m and et
     g(e) = e, or with a dead zone d: e - d sign(e) outside |e| <= d, 0 inside
     sigma: leakage (Ioannou, Kokotovic 1983); nu: e1 modification (Narendra, Annaswamy 1987)
 
-The Lyapunov rule (Parks 1966) has the same form with the regressor phi in the place of eta; it is stable where the path
-from theta phi to e is strictly positive real, which a sampled plant with a delay never is: hence leakage, dead zone and
-projection are not luxuries. Rohrs et al. (IEEE TAC 30(9), 1985) is the counter-example that the tests run.
+The Lyapunov rule (Parks 1966) has the same form with the regressor phi in the place of eta. It is stable where the path
+from theta phi to e is strictly positive real, which a sampled plant with a delay never is. So leakage, dead zone and
+projection are necessary. Rohrs et al. (IEEE TAC 30(9), 1985) is the counter-example that the tests run.
 """
 
-from typing import Any
+from typing import NamedTuple
 
 from satvib_common.kernels.compile import kernel
 
 
+class Rule(NamedTuple):
+    """Settings of the rule; `numpy.array` of it is what `move` takes.
+
+    Attributes:
+        dt: s; T.
+        rate: gamma.
+        dead_zone: of the error.
+        leakage: 1/s; sigma.
+        error_leakage: nu.
+    """
+
+    dt: float
+    rate: float
+    dead_zone: float
+    leakage: float
+    error_leakage: float
+
+
 @kernel('void(f8, f8, f8, f8, f8, f8, f8[:], f8[:])', '(),(),(),(),(),(),(s)->()')
-def move(
-    theta: Any, rest: Any, e: Any, eta: Any, power: Any, normalized: Any, s: Any, out: Any
-) -> None:
+def move(theta, rest, e, eta, power, normalized, settings, out):
     """Gain after one sample, before any projection.
 
     Args:
@@ -33,16 +49,17 @@ def move(
         eta: its derivative with respect to the gain, or the regressor for the Lyapunov rule.
         power: <eta^2>.
         normalized: 0 or 1.
-        s: T, gamma, dead zone, sigma, nu.
+        settings: see `Rule`.
         out: the gain.
     """
-    dt, gamma, dead, sigma, nu = s[0], s[1], s[2], s[3], s[4]
+    rule = Rule(settings[0], settings[1], settings[2], settings[3], settings[4])
     size = abs(e)
     effective = 0.0
-    if size > dead:
-        effective = e - dead if e > 0.0 else e + dead
-    step = gamma * effective * eta
+    if size > rule.dead_zone:
+        effective = e - rule.dead_zone if e > 0.0 else e + rule.dead_zone
+    step = rule.rate * effective * eta
     if normalized != 0.0:
         n = max(eta * eta, power)
         step = step / n if n > 0.0 else 0.0
-    out[0] = theta - dt * step - dt * (sigma + nu * size) * (theta - rest)
+    leak = rule.leakage + rule.error_leakage * size
+    out[0] = theta - rule.dt * step - rule.dt * leak * (theta - rest)

@@ -32,7 +32,6 @@ what an ideal skyhook damper makes of a mode zeta_0, w, sampled and late like th
 move only when `adapt_in_control` is set, with y_m = 0: the gradient of the vibration's own power.
 """
 
-import cmath
 import math
 
 import numpy as np
@@ -41,25 +40,21 @@ from satvib_common.phases import Phase
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_ident.models.iir_model import IirModel
 
+from satvib_control.core.trusted_model import lengthen, select
 from satvib_control.laws.base import BasicLaw, LawInput
-from satvib_control.laws.model_reference import step as place
-from satvib_control.laws.model_reference.adaptation import move
+from satvib_control.laws.model_reference.adaptation import Rule, move
+from satvib_control.laws.model_reference.design import Design, make_design, several
 from satvib_control.laws.model_reference.parameters import ModelReferenceParameters
-from satvib_control.laws.model_reference.reference_model import designed_model
-from satvib_control.laws.model_reference.step import pid_step
+from satvib_control.laws.model_reference.step import Gain, Memory, Setting, pid_step
 from satvib_control.laws.reasons import reason
 from satvib_control.laws.strut_excitation import StrutSignals
-from satvib_control.model_analysis.dominant_mode import damping_gain, dominant_pole, polarity
-from satvib_control.model_analysis.gain_bounds import gain_bounds
-from satvib_control.model_analysis.gain_projection import loop_grid, ray
-from satvib_control.model_analysis.transfer import model_polynomials, multiply, value
+from satvib_control.model_analysis.gain_projection import ray
 
 NO_MODEL = reason('no trusted identified model: 0 V')
 UNATTAINABLE = reason('the wanted damping is not attainable within the modulus margin')
 SATURATED = reason('adaptation frozen: the voltage is saturated')
 UNTUNED = reason('the gain is still 0: no ADAPT so far, and adapt_in_control is off')
 IDLE = reason('adaptation frozen: not excited')
-GAINS = ('kp', 'ki', 'kd')
 
 
 class ModelReference(BasicLaw[ModelReferenceParameters]):
@@ -72,26 +67,24 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
     ) -> None:
         super().__init__(parameters, dt, shape)
         p = parameters
-        self._integrator = tuple(np.array(c) for c in leaky_integrator(p.velocity_corner, dt))
+        fb, fa = leaky_integrator(p.velocity_corner, dt)
+        self._integrator = np.array(fb), np.array(fa)
         self._reference = StrutSignals(
             p.reference_excitation, 1.0, p.reference_frequencies, p, shape
         )
         self._begun: int | None = None
         self._known = np.zeros(shape, dtype=bool)
         self._untuned = np.ones(shape, dtype=bool)
-        self._attainable = np.ones(shape, dtype=bool)
-        self._amplitude = np.zeros(shape)
-        # several gains are projected together, which costs a pass over the Nyquist curve
-        self._several = bool(set(p.adapted_gains) - {'ki'}) or p.gain_p != 0.0 or p.gain_d != 0.0
-        self._grid = np.zeros((*shape, 6, 1))
-        self._rule = np.zeros(5)  # of `adaptation.move`
-        self._settings = np.zeros((*shape, 5))  # of `pid_step`
-        self._scale = np.zeros((*shape, 3))  # size of each gain; 0: it does not adapt
-        self._rest = np.zeros((*shape, 3))
-        self._low, self._high = np.zeros(shape), np.zeros(shape)
-        self._memory = np.zeros((*shape, place.MEMORY))
+        self._design = Design.without_model(shape, self._integrator)
+        self._several = several(p)
+        self._scale = self._design.sizes  # of each gain; 0: it does not adapt
+        self._settings = np.zeros((*shape, len(Setting)))
+        names = [gain.name.lower() for gain in Gain]
+        self._adapted = np.array([float(name in p.adapted_gains) for name in names])
+        self._shown = names.index(p.adapted_gains[0]) if p.adapted_gains else Gain.KI
+        length = self._design.loop.shape[-1]
+        self._memory = Memory.at_rest(shape, self._design.start, length)
         self.apply(p)
-        self._size(6, 4)
         self.state.reason = np.full(shape, NO_MODEL)
         self._show_gains()
 
@@ -99,165 +92,95 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
         """Take the settings of the adaptation."""
         super().apply(parameters)
         p, s = parameters, self._settings
-        leaks = (p.adaptation_leakage, p.adaptation_error_leakage)
-        self._rule = np.array([self.dt, p.adaptation_rate, p.adaptation_dead_zone, *leaks])
-        s[..., 0] = self.dt
-        s[..., 1] = 1.0 - math.exp(-self.dt / p.adaptation_memory)
-        s[..., 2] = float(p.reference_model == 'designed')
-        s[..., 4] = 1.0 / (1.0 + 2.0 * math.pi * p.velocity_corner * self.dt)
-
-    def _size(self, length: int, order: int) -> None:
-        """Make room for polynomials of that length (loop, and model), at rest and without effect."""
-        self._loop = np.zeros((*self.shape, 4, length))
-        self._fixed = np.zeros((*self.shape, 6, length))
-        self._filters = np.zeros((*self.shape, 6, length - 1))
-        self._loop[..., 0, 0] = self._fixed[..., 1, 0] = self._fixed[..., 5, 0] = 1.0
-        self._fixed[..., 2, :3], self._fixed[..., 3, :3] = self._integrator
-        self._order = order
-        self._known = np.zeros(self.shape, dtype=bool)
-
-    def _loop_rows(self, model: IirModel) -> Array:
-        """A Fa, B Fa, B Fb, B D Fa (*shape, 4, q)."""
-        fb, fa = self._integrator
-        b, a = model_polynomials(model)
-        rows = [multiply(a, fa), multiply(b, fa), multiply(b, fb)]
-        derivative = np.array([1.0, -1.0]) / self.dt
-        last = multiply(multiply(b, fa), derivative)
-        loop = np.zeros((*self.shape, 4, last.shape[-1]))
-        for i, row in enumerate(rows):
-            loop[..., i, : row.shape[-1]] = row
-        loop[..., 3, :] = last
-        return loop
+        self._rule = Rule(
+            dt=self.dt,
+            rate=p.adaptation_rate,
+            dead_zone=p.adaptation_dead_zone,
+            leakage=p.adaptation_leakage,
+            error_leakage=p.adaptation_error_leakage,
+        )
+        s[..., Setting.DT] = self.dt
+        s[..., Setting.FORGET] = 1.0 - math.exp(-self.dt / p.adaptation_memory)
+        s[..., Setting.DESIGNED] = float(p.reference_model == 'designed')
+        s[..., Setting.PASS] = 1.0 / (1.0 + 2.0 * math.pi * p.velocity_corner * self.dt)
 
     def set_model(self, model: IirModel, trusted: Mask, covariance: Array | None = None) -> None:
-        """Design bounds, reference model and sensitivity filters where the model is trusted."""
+        """Design bounds, reference model and sensitivity filters where the model is trusted; the gains go on."""
         p = self.parameters
-        fb, fa = self._integrator
-        loop = self._loop_rows(model)
-        b, a = model_polynomials(model)
-        if loop.shape[-1] != self._loop.shape[-1]:
-            self._size(loop.shape[-1], b.shape[-1])
-        cov = covariance if p.gain_confidence > 0.0 else None
-        bounds = gain_bounds(model, fb, fa, p.modulus_margin, cov, p.gain_confidence)
-        sign = polarity(model, fb, fa)
-        limit = np.where(sign > 0.0, bounds.maximum, bounds.minimum)
-        wanted, damping = damping_gain(model, fb, fa, limit, p.reference_damping)
-        low, high = np.minimum(limit, 0.0), np.maximum(limit, 0.0)
-        closed = loop[..., 0, :] + wanted[..., None] * loop[..., 2, :]
-        amplitude = p.reference_voltage / self._voltage_per_reference(wanted, loop, closed)
-        fixed = self._fixed.copy()
-        fixed[..., 0, : b.shape[-1]], fixed[..., 1, : a.shape[-1]] = b, a
-        if p.reference_model == 'designed':
-            frequency = 2.0 * math.pi * p.reference_frequency
-            designed = designed_model(
-                model, frequency, p.reference_damping, dominant_pole(model, fb, fa)
-            )
-            fixed[..., 4:6, : designed.shape[-1]] = designed
-
-        start = sign[..., None] * np.array([p.gain_p, p.gain_i, p.gain_d])
-        memory, settings = self._memory.copy(), self._settings.copy()
-        speed = np.maximum(np.abs(dominant_pole(model, fb, fa)), 1e-3)
-        sizes = np.stack([np.abs(limit) / speed, np.abs(limit), np.abs(limit) / speed**2], axis=-1)
-        gains = np.where(self._known[..., None], memory[..., :3], start)
-        for k in (start, gains):
-            k[..., 1] = np.minimum(np.maximum(k[..., 1], low), high)
-        if self._several:
-            grid = loop_grid([loop[..., 1, :], loop[..., 2, :], loop[..., 3, :]], loop[..., 0, :])
-            start, gains = (ray(k, sizes, grid, p.modulus_margin) for k in (start, gains))
-            self._grid = np.where(trusted[..., None, None], grid, self._grid)
-        memory[..., :3], memory[..., place.WANTED] = gains, wanted
-        settings[..., 3] = sign if p.adaptation_rule == 'lyapunov' else 0.0
-        adapted = np.array([float(name in p.adapted_gains) for name in GAINS])
-
-        one, two = trusted[..., None], trusted[..., None, None]
-        self._loop = np.where(two, loop, self._loop)
-        self._fixed = np.where(two, fixed, self._fixed)
-        self._settings = np.where(one, settings, self._settings)
-        self._memory = np.where(one, memory, self._memory)
-        self._rest = np.where(one, start, self._rest)
-        self._scale = np.where(one, sizes * adapted, self._scale)
-        self._low, self._high = (
-            np.where(trusted, low, self._low),
-            np.where(trusted, high, self._high),
-        )
-        self._attainable = np.where(trusted, damping >= p.reference_damping, self._attainable)
-        self._amplitude = np.where(trusted, amplitude, self._amplitude)
+        new = make_design(model, p, self.dt, self._integrator, covariance)
+        gains = self._memory.gains
+        gains = select(trusted, select(self._known, new.within(gains, p), new.start), gains)
+        self._design = self._design.renewed(new, trusted)
+        self._scale = self._design.sizes * self._adapted
+        filters = lengthen(self._memory.filters, self._design.loop.shape[-1] - 1)
+        self._memory = self._memory._replace(gains=gains, filters=filters)
+        self._settings[..., Setting.WANTED] = self._design.wanted
+        lyapunov = p.adaptation_rule == 'lyapunov'
+        self._settings[..., Setting.LYAPUNOV] = self._design.sign if lyapunov else 0.0
         self._known = self._known | trusted
-        self.state.ki_min = np.where(trusted, low, self.state.ki_min)
-        self.state.ki_max = np.where(trusted, high, self.state.ki_max)
-
-    def _voltage_per_reference(self, gain: Array, loop: Array, closed: Array) -> Array:
-        """|K F S| at the strongest of the reference's frequencies, V per m/s^2, at least a trifle."""
-        fb, fa = self._integrator
-        out = np.full(self.shape, 1e-6)
-        for i in np.ndindex(self.shape):
-            for frequency in self.parameters.reference_frequencies:
-                zi = cmath.exp(-2j * math.pi * frequency * self.dt)
-                s = value(loop[i][0], zi) / value(closed[i], zi)
-                out[i] = max(out[i], abs(float(gain[i]) * value(fb, zi) / value(fa, zi) * s))
-        return out
+        self.state.ki_min = np.where(trusted, new.low, self.state.ki_min)
+        self.state.ki_max = np.where(trusted, new.high, self.state.ki_max)
 
     def step(self, x: LawInput, phase: Phase) -> Array:
         """Give the voltage (shape, V)."""
         adapt = phase == Phase.ADAPT
-        if adapt:
-            self._begun = x.sequence if self._begun is None else self._begun
-            reference = self._amplitude * self._reference.at(x.sequence - self._begun)
-        else:
-            self._begun, reference = None, np.zeros(self.shape)
-        wanted = adapt or (phase == Phase.CONTROL and self.parameters.adapt_in_control)
-        learn = x.valid & ~x.saturated & self._known & wanted
+        reference = self._reference_at(x.sequence, adapt)
+        design = self._design
         u, model_output, error, eta, error_pass, eta_pass = pid_step(
-            self._loop, self._fixed, self._settings, self._scale, self._memory, self._filters,
+            design.loop, design.fixed, self._settings, self._scale, *self._memory,
             x.upper, reference, x.applied, float(adapt),
         )  # fmt: skip
         state = self.state
         state.reference, state.model_output, state.error = reference, model_output, error
-        first = (
-            GAINS.index(self.parameters.adapted_gains[0]) if self.parameters.adapted_gains else 1
-        )
-        state.sensitivity, state.adapting = eta[..., first], np.zeros(self.shape, dtype=bool)
-        fine = np.where(self._attainable, 0, UNATTAINABLE)
-        if wanted:
+        state.sensitivity, state.adapting = eta[..., self._shown], np.zeros(self.shape, dtype=bool)
+        why = np.where(design.attainable, 0, UNATTAINABLE)
+        if adapt or (phase == Phase.CONTROL and self.parameters.adapt_in_control):
+            learn = x.valid & ~x.saturated & self._known
             state.adapting = self._adapt(learn, error_pass, eta_pass)
             self._untuned = self._untuned & ~state.adapting
-            fine = np.where(state.adapting, fine, np.where(x.saturated, SATURATED, IDLE))
+            why = np.where(state.adapting, why, np.where(x.saturated, SATURATED, IDLE))
         elif phase == Phase.CONTROL:
-            nothing = self._untuned & (self._memory[..., 1] == 0.0) & (self._memory[..., 0] == 0.0)
-            fine = np.where(nothing, UNTUNED, fine)
-        state.reason = np.where(self._known, fine, NO_MODEL)
+            kp, ki = self._memory.gains[..., Gain.KP], self._memory.gains[..., Gain.KI]
+            why = np.where(self._untuned & (ki == 0.0) & (kp == 0.0), UNTUNED, why)
+        state.reason = np.where(self._known, why, NO_MODEL)
         self._show_gains()
         return np.asarray(u)
 
+    def _reference_at(self, sequence: int, adapt: bool) -> Array:
+        """u_c (shape, m/s^2): an excitation that begins with ADAPT; 0 in other phases."""
+        if not adapt:
+            self._begun = None
+            return np.zeros(self.shape)
+        self._begun = sequence if self._begun is None else self._begun
+        return self._design.amplitude * self._reference.at(sequence - self._begun)
+
     def _adapt(self, learn: Mask, error: Array, eta: Array) -> Mask:
         """Move the gains where `learn` (shape) holds and they are excited; (shape) where any of them moved."""
-        p = self.parameters
-        gains, power = self._memory[..., :3], self._memory[..., place.POWER : place.POWER + 3]
+        p, design, rule, scale = self.parameters, self._design, self._rule, self._scale
+        gains, power = self._memory.gains, self._memory.power
         normalized = 0.0 if p.adaptation_rule == 'mit' else 1.0
-        new = move(gains, self._rest, error[..., None], eta, power, normalized, self._rule)
+        new = move(gains, design.start, error[..., None], eta, power, normalized, rule)
         if normalized:
-            # e eta / n estimates how far the gain is off: not believed beyond the size of the gain
-            most = self._rule[0] * self._rule[1] * self._scale
+            # e eta / n estimates how far the gain is off: not trusted beyond the size of the gain
+            most = rule.dt * rule.rate * scale
             new = np.minimum(np.maximum(new, gains - most), gains + most)
-        effect = np.sqrt(np.maximum(power, eta * eta)) * self._scale
-        pick = learn[..., None] & (self._scale > 0.0) & (effect > p.adaptation_floor)
+        effect = np.sqrt(np.maximum(power, eta * eta)) * scale
+        pick = learn[..., None] & (scale > 0.0) & (effect > p.adaptation_floor)
         new = np.where(pick, new, gains)
-        new[..., 1] = np.minimum(np.maximum(new[..., 1], self._low), self._high)
+        new[..., Gain.KI] = np.minimum(np.maximum(new[..., Gain.KI], design.low), design.high)
         if self._several:
-            new = ray(new, self._scale, self._grid, p.modulus_margin)
+            new = ray(new, scale, design.grid, p.modulus_margin)
         any_moved = pick[..., 0] | pick[..., 1] | pick[..., 2]
-        self._memory[..., :3] = np.where(any_moved[..., None], new, gains)
+        gains[...] = select(any_moved, new, gains)
         return any_moved
 
     def _show_gains(self) -> None:
-        state = self.state
-        state.kp, state.ki, state.kd = (self._memory[..., i].copy() for i in range(3))
+        state, gains = self.state, self._memory.gains
+        state.kp, state.ki, state.kd = (gains[..., gain].copy() for gain in Gain)
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Gains to their start, filters at rest."""
-        pick = np.broadcast_to(np.asarray(mask), self.shape)[..., None]
-        memory = np.zeros_like(self._memory)
-        memory[..., :3] = self._rest
-        memory[..., place.WANTED] = self._memory[..., place.WANTED]
-        self._memory = np.where(pick, memory, self._memory)
-        self._filters = np.where(pick[..., None], 0.0, self._filters)
+        pick = np.broadcast_to(np.asarray(mask), self.shape)
+        start = Memory.at_rest(self.shape, self._design.start, self._design.loop.shape[-1])
+        for kept, new in zip(self._memory, start, strict=True):
+            kept[...] = select(pick, new, kept)

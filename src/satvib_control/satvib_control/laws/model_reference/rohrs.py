@@ -16,7 +16,7 @@ import numpy as np
 from satvib_common.arrays import Array
 from scipy.linalg import expm
 
-from satvib_control.laws.model_reference.adaptation import move
+from satvib_control.laws.model_reference.adaptation import Rule, move
 
 DT = 0.005  # s
 START = (1.14, 0.65)  # theta_1, theta_2; what the model would need without the hidden poles is near
@@ -48,7 +48,7 @@ def simulate(
     block = expm(np.block([[a, b], [np.zeros((1, 4))]]) * DT)
     x, model, theta = np.zeros(3), 0.0, np.array(START)
     decay, reference = float(np.exp(-3.0 * DT)), 2.0
-    rule = np.array([DT, 1.0, dead_zone, sigma, nu])
+    rule = Rule(dt=DT, rate=1.0, dead_zone=dead_zone, leakage=sigma, error_leakage=nu)
     outputs, gains = [], []
     for k in range(round(seconds / DT)):
         y = float(x[0]) + 0.5 * float(np.sin(16.1 * k * DT))

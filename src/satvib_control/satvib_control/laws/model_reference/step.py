@@ -1,119 +1,225 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""One sample of the model reference PID law, for one item: the inner loop of `model_reference`.
+"""One sample of the model reference PID law, for one item: voltage, reference model, sensitivities; see `law`."""
 
-Polynomials in z^-1 (rows of `loop`): 0 A Fa, 1 B Fa, 2 B Fb, 3 B Db Fa with D = Db, so that
-
-    den = row0 + K_p row1 + K_i row2 + K_d row3,    G S = row1 / den,    H = (K_p row1 + K_i row2) / den.
-
-`fixed`: 0 B, 1 A, 2 Fb, 3 Fa, 4 and 5 numerator and denominator of a designed reference model.
-`filters`: states of 0 H, 1-3 G S for each gain, 4 the reference model's plant, 5 the designed reference model.
-`memory`: places are named below.
-"""
-
-from typing import Any
+from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
+from numba import njit
+from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
 from satvib_common.kernels.direct_form import filter_sample
 
-# places in `memory`
-GAIN = 0  # K_p, K_i, K_d
-POWER = 3  # their gradients' powers
-WANTED = 6  # K_i of the reference model
-F_LAW, F_MODEL, F_SENSE = 7, 9, 11  # two states of F each
-Y_LAST, P_LAST, U_MODEL, WAS_ADAPT = 13, 14, 15, 16
-PASS_IN, PASS_OUT = 17, 21  # the high-pass of e and of the three eta
-MEMORY = 25
+
+class Gain(IntEnum):
+    """Places of the gains."""
+
+    KP = 0
+    KI = 1
+    KD = 2
+
+
+class Loop(IntEnum):
+    """Rows of `loop`, polynomials in z^-1 with F = Fb / Fa and D = Db.
+
+    With den = OPEN + K_p P + K_i I + K_d D the loop has G S = P / den and H = (K_p P + K_i I) / den.
+    """
+
+    OPEN = 0  # A Fa
+    P = 1  # B Fa
+    I = 2  # noqa: E741 - B Fb; the field's name
+    D = 3  # B Db Fa
+
+
+class Fixed(IntEnum):
+    """Rows of `fixed`, polynomials in z^-1."""
+
+    B = 0
+    A = 1
+    FB = 2
+    FA = 3
+    DESIGNED_B = 4  # designed reference model
+    DESIGNED_A = 5
+
+
+class Setting(IntEnum):
+    """Places in `settings`."""
+
+    DT = 0  # s; T
+    FORGET = 1  # of the powers, per sample
+    DESIGNED = 2  # 1: the designed reference model, 0: the identified model closed with WANTED
+    LYAPUNOV = (
+        3  # the polarity for the Lyapunov rule, whose `eta` are the regressors; 0: sensitivities
+    )
+    PASS = 4  # pole of the high-pass
+    WANTED = 5  # K_i of the reference model
+
+
+class Filter(IntEnum):
+    """Rows of `filters`, states of filters in direct form II transposed."""
+
+    H = 0
+    GS_P = 1  # G S for each gain
+    GS_I = 2
+    GS_D = 3
+    PLANT = 4  # of the reference model
+    DESIGNED = 5
+
+
+class Integrator(IntEnum):
+    """Rows of `integrators`, the states of F."""
+
+    LAW = 0
+    MODEL = 1
+    SENSITIVITY = 2
+
+
+class Last(IntEnum):
+    """Places in `last`, values of the sample before."""
+
+    Y = 0  # m/s^2
+    PREDICTED = 1  # m/s^2; y_hat
+    MODEL_VOLTAGE = 2  # V; of the reference model
+    ADAPT = 3  # 1: it was in ADAPT
+
+
+class HighPass(IntEnum):
+    """Columns of `high_pass`; its rows are the three eta and e."""
+
+    IN = 0
+    OUT = 1
+
+
+class Memory(NamedTuple):
+    """What is kept from sample to sample; changed in place.
+
+    Attributes:
+        gains: (3) K_p, K_i, K_d.
+        power: (3) <eta^2> of each.
+        integrators: (Integrator, 2).
+        last: (Last).
+        high_pass: (4, HighPass).
+        filters: (Filter, q - 1).
+    """
+
+    gains: Array
+    power: Array
+    integrators: Array
+    last: Array
+    high_pass: Array
+    filters: Array
+
+    @classmethod
+    def at_rest(cls, shape: tuple[int, ...], gains: Array, length: int) -> 'Memory':
+        """Give the memory of a law that has heard nothing, with its gains (*shape, 3)."""
+        return cls(
+            gains=gains.copy(),
+            power=np.zeros((*shape, 3)),
+            integrators=np.zeros((*shape, len(Integrator), 2)),
+            last=np.zeros((*shape, len(Last))),
+            high_pass=np.zeros((*shape, 4, len(HighPass))),
+            filters=np.zeros((*shape, len(Filter), length - 1)),
+        )
+
+
+@njit
+def _closed_loop(loop, gains):
+    """Numerator and denominator of H (q)."""
+    q = loop.shape[1]
+    num, den = np.empty(q), np.empty(q)
+    for i in range(q):
+        num[i] = gains[0] * loop[Loop.P, i] + gains[1] * loop[Loop.I, i]
+        den[i] = loop[Loop.OPEN, i] + num[i] + gains[2] * loop[Loop.D, i]
+    return num, den
+
+
+@njit
+def _terms(error, output, integrator, last, fixed, settings, memory):
+    """What the three gains are multiplied by: the error, its integral, and minus the derivative of the output."""
+    fb, fa = fixed[Fixed.FB, :3], fixed[Fixed.FA, :3]
+    terms = np.empty(3)
+    terms[0] = error
+    terms[1] = filter_sample(fb, fa, memory.integrators[integrator], error)
+    terms[2] = -(output - memory.last[last]) / settings[Setting.DT]
+    memory.last[last] = output
+    return terms
+
+
+@njit
+def _reference_model(y, reference, applied, adapt, fixed, settings, memory):
+    """Give y_m; outside ADAPT the model follows the applied voltage, so that ADAPT begins where the plant is."""
+    last, plant = memory.last, memory.filters[Filter.PLANT]
+    voltage = last[Last.MODEL_VOLTAGE] if last[Last.ADAPT] == 1.0 else applied
+    filter_sample(fixed[Fixed.B], fixed[Fixed.A], plant, voltage)
+    output = plant[0]  # B begins with the delay, so the state holds the next output
+    error = reference - (output if adapt == 1.0 else y)
+    fb, fa = fixed[Fixed.FB, :3], fixed[Fixed.FA, :3]
+    driven = filter_sample(fb, fa, memory.integrators[Integrator.MODEL], error)
+    last[Last.MODEL_VOLTAGE] = settings[Setting.WANTED] * driven
+    last[Last.ADAPT] = adapt
+    designed = filter_sample(
+        fixed[Fixed.DESIGNED_B], fixed[Fixed.DESIGNED_A], memory.filters[Filter.DESIGNED], reference
+    )
+    if adapt != 1.0:
+        return 0.0
+    return designed if settings[Setting.DESIGNED] == 1.0 else output
+
+
+@njit
+def _without_mean(value, high_pass, pole):
+    """High-pass a value."""
+    out = pole * (high_pass[HighPass.OUT] + value - high_pass[HighPass.IN])
+    high_pass[HighPass.OUT] = out
+    high_pass[HighPass.IN] = value
+    return out
 
 
 @kernel(
-    'void(f8[:,:],f8[:,:],f8[:],f8[:],f8[:],f8[:,:],f8,f8,f8,f8,f8[:],f8[:],f8[:],f8[:],f8[:],f8[:])',
-    '(l,q),(r,q),(s),(g),(k),(t,o),(),(),(),()->(),(),(),(g),(),(g)',
-    writable=('memory', 'filters'),
+    'void(f8[:,:],f8[:,:],f8[:],f8[:],f8[:],f8[:],f8[:,:],f8[:],f8[:,:],f8[:,:],f8,f8,f8,f8,'
+    'f8[:],f8[:],f8[:],f8[:],f8[:],f8[:])',
+    '(l,q),(r,q),(s),(g),(g),(g),(i,t),(k),(h,t),(f,o),(),(),(),()->(),(),(),(g),(),(g)',
+    writable=Memory._fields,
 )
 def pid_step(
-    loop: Any,
-    fixed: Any,
-    settings: Any,
-    scale: Any,
-    memory: Any,
-    filters: Any,
-    y: Any,
-    reference: Any,
-    applied: Any,
-    adapt: Any,
-    u: Any,
-    ym: Any,
-    e: Any,
-    eta: Any,
-    e_pass: Any,
-    eta_pass: Any,
-) -> None:
+    loop, fixed, settings, scale, gains, power, integrators, last, high_pass, filters,
+    y, reference, applied, adapt, u, ym, e, eta, e_pass, eta_pass,
+):  # fmt: skip
     """Voltage, reference model's output, error, and the derivatives of y with respect to the three gains.
 
-    The adaptation takes both without their mean, e_pass and eta_pass: a bias in e makes the gain swing at the tone's
-    own frequency, and gain times tone is a mean voltage.
+    The adaptation takes error and derivatives without their means, e_pass and eta_pass: a bias in e makes the gain
+    swing at the tone's own frequency, and gain times tone is a mean voltage.
 
-    settings: T, forgetting of the powers per sample, 1 for the designed reference model, 0 for sensitivities or the
-    polarity for the Lyapunov rule, whose `eta` are the regressors, and the pole of the high-pass.
-    scale: 0 where a gain does not adapt (eta is 0).
-    `adapt`: 1 in ADAPT, else 0.
+    Args:
+        loop: (Loop, q).
+        fixed: (Fixed, q).
+        settings: (Setting).
+        scale: (3) 0 where a gain does not adapt (its eta is 0).
+        gains, power, integrators, last, high_pass, filters: see `Memory`; gains are not changed here.
+        y, reference: m/s^2.
+        applied: V; of the sample before.
+        adapt: 1 in ADAPT, else 0.
+        u, ym, e, eta, e_pass, eta_pass: out.
     """
-    q = loop.shape[1]
-    kp, ki, kd = memory[0], memory[1], memory[2]
-    den = np.empty(q)
-    num = np.empty(q)
-    for i in range(q):
-        num[i] = kp * loop[1, i] + ki * loop[2, i]
-        den[i] = loop[0, i] + num[i] + kd * loop[3, i]
-    fb, fa = fixed[2, :3], fixed[3, :3]
-    dt = settings[0]
-
-    # the law, Eq. (35)
-    x = np.empty(3)
-    x[0] = reference - y
-    x[1] = filter_sample(fb, fa, memory[F_LAW : F_LAW + 2], reference - y)
-    x[2] = -(y - memory[Y_LAST]) / dt
-    memory[Y_LAST] = y
-    u[0] = kp * x[0] + ki * x[1] + kd * x[2]
-
-    # the reference model; outside ADAPT it follows the applied voltage, so that ADAPT begins where the plant is
-    filter_sample(
-        fixed[0], fixed[1], filters[4], memory[U_MODEL] if memory[WAS_ADAPT] == 1.0 else applied
-    )
-    output = filters[4, 0]  # B begins with the delay, so the state holds the next output
-    driven = filter_sample(
-        fb, fa, memory[F_MODEL : F_MODEL + 2], reference - (output if adapt == 1.0 else y)
-    )
-    memory[U_MODEL] = memory[WANTED] * driven
-    memory[WAS_ADAPT] = adapt
-    designed = filter_sample(fixed[4], fixed[5], filters[5], reference)
-    predicted = filter_sample(num, den, filters[0], reference)
-    ym[0] = 0.0
-    if adapt == 1.0:
-        ym[0] = designed if settings[2] == 1.0 else output
-    else:
-        predicted = y
+    memory = Memory(gains, power, integrators, last, high_pass, filters)
+    num, den = _closed_loop(loop, gains)
+    terms = _terms(reference - y, y, Integrator.LAW, Last.Y, fixed, settings, memory)
+    u[0] = gains[0] * terms[0] + gains[1] * terms[1] + gains[2] * terms[2]  # Eq. (35)
+    ym[0] = _reference_model(y, reference, applied, adapt, fixed, settings, memory)
     e[0] = y - ym[0]
-
-    # sensitivities: G S filtered eps, F eps, -D y_hat
-    s = np.empty(3)
-    s[0] = reference - predicted
-    s[1] = filter_sample(fb, fa, memory[F_SENSE : F_SENSE + 2], reference - predicted)
-    s[2] = -(predicted - memory[P_LAST]) / dt
-    memory[P_LAST] = predicted
+    predicted = filter_sample(num, den, filters[Filter.H], reference)
+    if adapt != 1.0:
+        predicted = y
+    inputs = _terms(
+        reference - predicted, predicted, Integrator.SENSITIVITY, Last.PREDICTED, fixed, settings, memory
+    )  # fmt: skip
     for j in range(3):
         eta[j] = 0.0
         if scale[j] != 0.0:
-            eta[j] = filter_sample(loop[1], den, filters[1 + j], s[j])
-            if settings[3] != 0.0:
-                eta[j] = settings[3] * x[j]
-    for j in range(4):
-        now = e[0] if j == 3 else eta[j]
-        memory[PASS_OUT + j] = settings[4] * (memory[PASS_OUT + j] + now - memory[PASS_IN + j])
-        memory[PASS_IN + j] = now
-        if j < 3:
-            eta_pass[j] = memory[PASS_OUT + j]
-            memory[POWER + j] += settings[1] * (eta_pass[j] * eta_pass[j] - memory[POWER + j])
-    e_pass[0] = memory[PASS_OUT + 3]
+            eta[j] = filter_sample(loop[Loop.P], den, filters[Filter.GS_P + j], inputs[j])
+            if settings[Setting.LYAPUNOV] != 0.0:
+                eta[j] = settings[Setting.LYAPUNOV] * terms[j]
+    for j in range(3):
+        eta_pass[j] = _without_mean(eta[j], high_pass[j], settings[Setting.PASS])
+        power[j] += settings[Setting.FORGET] * (eta_pass[j] * eta_pass[j] - power[j])
+    e_pass[0] = _without_mean(e[0], high_pass[3], settings[Setting.PASS])
