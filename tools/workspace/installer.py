@@ -7,7 +7,6 @@ with the locked setuptools, never with what the index offers on that day.
 """
 
 import os
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -122,8 +121,3 @@ def with_pip(locks: list[Path]) -> None:
     for lock in locks:
         command += ['-r', str(lock)]
     run(command, 'installing requirements', pip_environment())
-
-
-def forget_cache() -> None:
-    """Remove the downloads that uv kept in the workspace because it could keep them nowhere else."""
-    shutil.rmtree(CACHE / 'uv-cache', ignore_errors=True)

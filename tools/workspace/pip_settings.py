@@ -7,8 +7,9 @@ of precedence are kept. A choice that is made for uv already (`UV_*`, `SSL_CERT_
 """
 
 import ast
-import os
+import contextlib
 import re
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -102,12 +103,12 @@ def uv_cache(environment: Mapping[str, str], fallback: Path) -> dict[str, str]:
     """Let uv keep its downloads where it always does, or, when that cannot be written, in the workspace."""
     if environment.get('UV_CACHE_DIR') or environment.get('UV_NO_CACHE'):
         return {}
-    home = environment.get('HOME', '')
-    base = Path(environment.get('XDG_CACHE_HOME') or Path(home or '/') / '.cache')
-    folder = base / 'uv'
-    while not folder.exists() and folder != folder.parent:
-        folder = folder.parent
-    usable = bool(home or environment.get('XDG_CACHE_HOME')) and folder.is_dir()
-    if usable and os.access(folder, os.W_OK | os.X_OK):
-        return {}
+    home = environment.get('XDG_CACHE_HOME') or environment.get('HOME')
+    if home:
+        folder = Path(home) if environment.get('XDG_CACHE_HOME') else Path(home) / '.cache'
+        # asked by doing it: permissions say yes to root, and to everybody on a disk that is mounted read-only
+        with contextlib.suppress(OSError):
+            (folder / 'uv').mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder / 'uv'):
+                return {}
     return {'UV_CACHE_DIR': str(fallback)}
