@@ -74,6 +74,7 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
         )
         self._begun: int | None = None
         self._known = np.zeros(shape, dtype=bool)
+        self._order = np.zeros(shape, dtype=np.int64)  # of the loop that the gains were adapted on
         self._untuned = np.ones(shape, dtype=bool)
         self._design = Design.without_model(shape, self._integrator)
         self._several = several(p)
@@ -105,14 +106,19 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
         s[..., Setting.PASS] = 1.0 / (1.0 + 2.0 * math.pi * p.velocity_corner * self.dt)
 
     def set_model(self, model: IirModel, trusted: Mask, covariance: Array | None = None) -> None:
-        """Design bounds, reference model and sensitivity filters where the model is trusted; the gains go on."""
+        """Design bounds, reference model and sensitivity filters where the model is trusted.
+
+        The gains go on, unless they were adapted on a model of another order: then they begin at their start.
+        """
         p = self.parameters
         new = make_design(model, p, self.dt, self._integrator, covariance)
-        gains = self._memory.gains
-        gains = select(trusted, select(self._known, new.within(gains, p), new.start), gains)
+        go_on = self._known & (new.loop.shape[-1] == self._order)
+        self._order = np.where(trusted, new.loop.shape[-1], self._order)
+        gains, filters = self._memory.gains, self._memory.filters
+        gains = select(trusted, select(go_on, new.within(gains, p), new.start), gains)
         self._design = self._design.renewed(new, trusted)
         self._scale = self._design.sizes * self._adapted
-        filters = lengthen(self._memory.filters, self._design.loop.shape[-1] - 1)
+        filters = select(trusted & ~go_on, 0.0, lengthen(filters, self._design.loop.shape[-1] - 1))
         self._memory = self._memory._replace(gains=gains, filters=filters)
         self._settings[..., Setting.WANTED] = self._design.wanted
         lyapunov = p.adaptation_rule == 'lyapunov'
