@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from satvib_common.arrays import Array
 
 from satvib_plant_sim.disturbance.base import Bank, Clock, Disturbance, Transfer
-
-STREAM = 2  # of a trial's seed; 0 is the sensors' bias, 1 their noise
+from satvib_plant_sim.rig.streams import Stream
 
 
 def _unity(_: float) -> float:
@@ -47,7 +46,7 @@ class Mixer:
             trials = [trial for trial, _ in members]
             bank = kind.bank(
                 [part for _, part in members],
-                [(seeds[trial], STREAM, order) for trial in trials],
+                [(seeds[trial], Stream.DISTURBANCE, order) for trial in trials],
                 clock,
                 [_unity if channel else transfers[trial] for trial in trials],
             )

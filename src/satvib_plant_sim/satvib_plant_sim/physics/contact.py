@@ -13,41 +13,54 @@ J. Nonlinear Sci. 6, 449). s1 = s1_free + G F depends on the force; F(s1) falls 
 solution (bisection), and a few Gauss-Seidel sweeps settle the weak coupling of the struts.
 """
 
+from typing import Any, NamedTuple
+
 from numba import njit
 
 SWEEPS = 8
 BISECTIONS = 60
 
 
+class Stops(NamedTuple):
+    """The stops of n struts.
+
+    Attributes:
+        limit: (n) m, stroke at which they begin.
+        stiffness, damping_per_step: N/m; the damping is c_c / h.
+    """
+
+    limit: Any
+    stiffness: Any
+    damping_per_step: Any
+
+
 @njit
-def stop_force(s0, s1, limit, stiffness, damping_per_step):
-    """Force (N) of both stops of a strut that goes from s0 to s1 (m) in one step."""
+def stop_force(s0, s1, stops, i):
+    """Force (N) of both stops of strut i that goes from s0 to s1 (m) in one step."""
     total = 0.0
     for side in (1.0, -1.0):
-        p0 = side * s0 - limit
-        p1 = side * s1 - limit
-        p0 = max(0.0, p0)
-        p1 = max(0.0, p1)
+        p0 = max(0.0, side * s0 - stops.limit[i])
+        p1 = max(0.0, side * s1 - stops.limit[i])
         if p0 > 0.0 or p1 > 0.0:
             move = side * (s1 - s0)
             # (p1 - p0) / (s1 - s0) is 1 deep in contact, also when nothing moves
             share = 1.0 if p0 > 0.0 and p1 > 0.0 else (p1 - p0) / move
-            push = 0.5 * stiffness * (p0 + p1) * share + damping_per_step * (p1 - p0)
+            spring = 0.5 * stops.stiffness * (p0 + p1) * share
+            push = spring + stops.damping_per_step * (p1 - p0)
             if push > 0.0:
                 total -= side * push
     return total
 
 
 @njit
-def solve_stops(x, free, compliance, strut, stiffness, damping_per_step, force):
+def solve_stops(start, free, compliance, stops, force):
     """Find the forces (n) that fit the strokes they lead to.
 
     Args:
-        x, free: strokes (the first n) at the start of the step, and at its end without stops.
+        start, free: (n) m, strokes at the start of the step, and at its end without stops.
         compliance: (n, rows) stroke at the end of the step in row j per force on strut i.
-        strut: (6, n) of `Discrete`; row 3 is the stroke limit, m.
-        stiffness, damping_per_step: N/m; the damping is c_c / h.
-        force: (n) result.
+        stops: `Stops`.
+        force: (n) N, result.
     """
     n = force.shape[0]
     force[:] = 0.0
@@ -57,18 +70,21 @@ def solve_stops(x, free, compliance, strut, stiffness, damping_per_step, force):
             for j in range(n):
                 if j != i:
                     rest += compliance[j, i] * force[j]
-            own = compliance[i, i]
-            limit = strut[3, i]
-            # the root lies between the end without this force and the end with all the force that end asks for
-            low = rest
-            high = rest + own * stop_force(x[i], rest, limit, stiffness, damping_per_step)
-            if low > high:
-                low, high = high, low
-            for _ in range(BISECTIONS):
-                mid = 0.5 * (low + high)
-                push = stop_force(x[i], mid, limit, stiffness, damping_per_step)
-                if mid - rest - own * push > 0.0:
-                    high = mid
-                else:
-                    low = mid
-            force[i] = stop_force(x[i], 0.5 * (low + high), limit, stiffness, damping_per_step)
+            force[i] = _solve_stop(start[i], rest, compliance[i, i], stops, i)
+
+
+@njit
+def _solve_stop(start, rest, own, stops, i):
+    """Find the force of strut i by bisection; `rest` (m) is where it ends without this force."""
+    # the solution lies between the end without this force and the end with the force that this end asks for
+    low = rest
+    high = rest + own * stop_force(start, rest, stops, i)
+    if low > high:
+        low, high = high, low
+    for _ in range(BISECTIONS):
+        mid = 0.5 * (low + high)
+        if mid - rest - own * stop_force(start, mid, stops, i) > 0.0:
+            high = mid
+        else:
+            low = mid
+    return stop_force(start, 0.5 * (low + high), stops, i)

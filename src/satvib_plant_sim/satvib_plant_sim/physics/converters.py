@@ -8,21 +8,24 @@ V_0 and the sensor's own bias b,
     volts = V_0 + S (b + s clip(y + e, +-range)),  code = floor(volts / lsb + 1/2) within +-full scale,
     reading = (code lsb - V_0) / S.
 
-Output: volts / gain is limited and quantized likewise, multiplied by the amplifier's gain and limited to what it gives.
+Output: volts / gain is limited and quantized in the same way, multiplied by the amplifier's gain, and limited to the
+amplifier's range.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from satvib_common.kernels.compile import kernel
 
 from satvib_plant_sim.rig.rig import Rig
+from satvib_plant_sim.rig.streams import Stream
 
 
 @njit
 def _converted(volts, full_scale, lsb):
-    """What a converter makes of a voltage: limited, and rounded to its codes (lsb 0: not)."""
+    """Limit a voltage, and round it to the codes of a converter (lsb 0: not rounded)."""
     if lsb > 0.0:
         code = math.floor(volts / lsb + 0.5)
         top = full_scale / lsb
@@ -31,27 +34,46 @@ def _converted(volts, full_scale, lsb):
     return min(max(volts, -full_scale), full_scale)
 
 
-def input_settings(rig: Rig) -> list[float]:
-    """Give range, sensitivity, zero voltage, full scale and lsb of a rig's input."""
+class InputSettings(NamedTuple):
+    """A sensor and its converter: range in m/s^2, V s^2/m, then V."""
+
+    range: float
+    sensitivity: float
+    zero_voltage: float
+    full_scale: float
+    lsb: float
+
+
+class OutputSettings(NamedTuple):
+    """A converter and its amplifier: gain, then V."""
+
+    gain: float
+    voltage_limit: float
+    full_scale: float
+    lsb: float
+
+
+def input_settings(rig: Rig) -> InputSettings:
+    """Give the settings of a rig's inputs."""
     sensor, acquisition = rig.accelerometer, rig.acquisition
-    return [
-        sensor.range,
-        sensor.sensitivity,
-        sensor.zero_voltage,
-        acquisition.input_range,
-        lsb(acquisition.input_range, acquisition.input_bits),
-    ]
+    return InputSettings(
+        range=sensor.range,
+        sensitivity=sensor.sensitivity,
+        zero_voltage=sensor.zero_voltage,
+        full_scale=acquisition.input_range,
+        lsb=lsb(acquisition.input_range, acquisition.input_bits),
+    )
 
 
-def output_settings(rig: Rig) -> list[float]:
-    """Give gain, voltage limit, full scale and lsb of a rig's output."""
+def output_settings(rig: Rig) -> OutputSettings:
+    """Give the settings of a rig's outputs."""
     coil, acquisition = rig.coil, rig.acquisition
-    return [
-        coil.gain,
-        coil.voltage_limit,
-        acquisition.output_range,
-        lsb(acquisition.output_range, acquisition.output_bits),
-    ]
+    return OutputSettings(
+        gain=coil.gain,
+        voltage_limit=coil.voltage_limit,
+        full_scale=acquisition.output_range,
+        lsb=lsb(acquisition.output_range, acquisition.output_bits),
+    )
 
 
 def lsb(full_scale: float, bits: int) -> float:
@@ -63,47 +85,29 @@ def lsb(full_scale: float, bits: int) -> float:
     'void(f8[:],f8[:],f8[:],f8[:],f8[:,:],f8[:])',
     '(r),(s),(m),(m),(m,q)->(m)',
 )
-def read_input(state, settings, bias, scale, noise, reading):
-    """Read the 2n converters (upper, then lower) from the state (R) and the noise states (2n, c)."""
+def read_input(chains, settings, bias, scale, noise, reading):
+    """Read the 2n converters (upper, then lower) from the ends of the sensor chains (4) and the noise states (2n, c).
+
+    Chain i belongs to upper sensor i; chain n serves all lower sensors.
+    """
     n = bias.shape[0] // 2
-    stages = noise.shape[1]
-    last = state.shape[0] - 4
-    top = settings[0]
+    last = noise.shape[1] - 1
+    s = InputSettings(settings[0], settings[1], settings[2], settings[3], settings[4])
     for i in range(2 * n):
-        lane = min(n, i)
-        y = state[last + lane] + noise[i, stages - 1]
-        y = scale[i] * min(max(y, -top), top)
-        volts = settings[2] + settings[1] * (bias[i] + y)
-        volts = _converted(volts, settings[3], settings[4])
-        reading[i] = (volts - settings[2]) / settings[1]
-
-
-@kernel(
-    'void(f8[:,:],f8[:,:],f8[:,:],f8[:,:],f8[:])',
-    '(q,q),(q,q),(m,q),(m,q)->(q)',
-    writable=('noise',),
-)
-def advance_noise(E, L, normal, noise, scratch):
-    """Take the noise states one sample on: E noise + L normal, per channel."""
-    stages = noise.shape[1]
-    for i in range(noise.shape[0]):
-        for p in range(stages):
-            total = 0.0
-            for q in range(stages):
-                total += E[p, q] * noise[i, q]
-            for q in range(p + 1):
-                total += L[p, q] * normal[i, q]
-            scratch[p] = total
-        for p in range(stages):
-            noise[i, p] = scratch[p]
+        y = chains[min(n, i)] + noise[i, last]
+        y = scale[i] * min(max(y, -s.range), s.range)
+        volts = s.zero_voltage + s.sensitivity * (bias[i] + y)
+        volts = _converted(volts, s.full_scale, s.lsb)
+        reading[i] = (volts - s.zero_voltage) / s.sensitivity
 
 
 @kernel('void(f8[:],f8[:],f8[:])', '(n),(s)->(n)')
 def drive_output(voltage, settings, terminal):
     """Give the voltages (n) at the terminals for the voltages (n) asked for."""
+    s = OutputSettings(settings[0], settings[1], settings[2], settings[3])
     for i in range(voltage.shape[0]):
-        volts = _converted(voltage[i] / settings[0], settings[2], settings[3]) * settings[0]
-        terminal[i] = min(max(volts, -settings[1]), settings[1]) + 0.0
+        volts = _converted(voltage[i] / s.gain, s.full_scale, s.lsb) * s.gain
+        terminal[i] = min(max(volts, -s.voltage_limit), s.voltage_limit) + 0.0
 
 
 def sensor_scale(rig: Rig) -> list[float]:
@@ -117,5 +121,5 @@ def drawn_bias(rig: Rig, seed: int) -> list[float]:
     if rig.accelerometer.bias is not None:
         return list(rig.accelerometer.bias)
     tolerance = rig.accelerometer.zero_tolerance / rig.accelerometer.sensitivity
-    rng = np.random.default_rng([seed, 0])
+    rng = np.random.default_rng([seed, Stream.BIAS])
     return [float(b) for b in tolerance * rng.uniform(-1.0, 1.0, 2 * rig.struts.count)]

@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The energy stored in a rig: what may only fall while nothing drives it.
+"""The energy stored in a rig. It can only decrease while nothing drives the rig.
 
     E = w'^T H^-1 w' / 2 + m_l z'^2 / 2 + sum_i (K_i s_i^2 + k_c p_i^2 + L i_i^2) / 2 + k_s z^2 / 2
 
 in coordinates relative to the source, w_i' = s_i' + z', p the penetration of the stops. The coils' energy counts under
-voltage drive; under current drive the amplifier is a source, and E falls when its current has died out. A lost
-actuator (force constant 0) has a coil without a part in the motion.
+voltage drive. Under current drive the amplifier is a source, and E decreases once its current is 0. The coil of a lost
+actuator (force constant 0) takes no part in the motion.
 """
 
 from collections.abc import Sequence
@@ -15,6 +15,7 @@ import numpy as np
 from satvib_common.arrays import Array
 
 from satvib_plant_sim.physics.mechanics import mechanics
+from satvib_plant_sim.physics.state import state_of
 from satvib_plant_sim.rig.rig import Rig
 
 
@@ -24,8 +25,7 @@ def stored_energy(rigs: Sequence[Rig], state: Array) -> Array:
     for rig, x in zip(rigs, state, strict=True):
         n = rig.struts.count
         m = mechanics(rig)
-        s, v, i = x[:n], x[n : 2 * n], x[2 * n : 3 * n]
-        z, vz = x[3 * n], x[3 * n + 1]
+        s, v, i, (z, vz) = state_of(x, n)
         w = v + vz
         p = np.maximum(np.abs(s) - rig.struts.stroke_limit, 0.0)
         twice = w @ np.linalg.solve(m.H, w) + np.sum(m.K * s * s)

@@ -15,15 +15,18 @@ the lower plate by z; its stroke is s_i = w_i - z. With
     i' = w_a (g V - i)                                 current drive
 
 State: s (n), s' (n), i (n), z, z'. Inputs: V (n), a_d, F_p, F (n); F_p is a force on the payload, F a corrective force
-between the plates of a strut (stops, coil limit). For one strut M = m and S = 1.
+between the plates of a strut (stops, coil limit). For one strut M = m and S = 1. `state_of` and `input_columns` say
+where each of them stands.
 """
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from satvib_common.arrays import Array
 
+from satvib_plant_sim.physics.state import state_of, state_size
 from satvib_plant_sim.rig.rig import Rig
 
 
@@ -51,6 +54,20 @@ class Mechanics:
     K: Array
     C_strut: Array
     k: Array
+
+
+class InputColumns(NamedTuple):
+    """Where the inputs stand: voltages V, base a_d, force on the payload F_p, corrective forces F."""
+
+    voltage: slice
+    base: int
+    payload: int
+    force: slice
+
+
+def input_columns(n: int) -> InputColumns:
+    """Give the columns of the inputs of n struts."""
+    return InputColumns(voltage=slice(0, n), base=n, payload=n + 1, force=slice(n + 2, 2 * n + 2))
 
 
 def geometry(rig: Rig) -> Array:
@@ -86,20 +103,19 @@ def mechanics(rig: Rig) -> Mechanics:
     C = rig.struts.damping * np.array(rig.struts.damping_scale[:n])
     k = rig.coil.force_constant * np.array(rig.coil.force_scale[:n])
 
-    size, inputs = 3 * n + 2, 2 * n + 2
-    s, v, i = np.arange(n), n + np.arange(n), 2 * n + np.arange(n)
-    z, vz = 3 * n, 3 * n + 1
-    base, force = n, n + 1
+    size, inputs = state_size(n), 2 * n + 2
+    s, v, i, (z, vz) = state_of(np.arange(size), n)
+    u = input_columns(n)
     # strut forces as rows over the state and over the inputs
     fx, fu = np.zeros((n, size)), np.zeros((n, inputs))
     fx[s, s], fx[s, v], fx[s, i] = -K, -C, k
-    fu[s, n + 2 + s] = 1.0
+    fu[:, u.force] = np.eye(n)
     ax, au = H @ fx, H @ fu
-    au[:, force] = h
+    au[:, u.payload] = h
     shaker = rig.shaker
     lx, lu = np.zeros(size), np.zeros(inputs)
     if shaker.rigid:
-        lu[base] = 1.0
+        lu[u.base] = 1.0
     else:
         lx = -fx.sum(axis=0)
         lx[z] -= shaker.stiffness
@@ -112,13 +128,16 @@ def mechanics(rig: Rig) -> Mechanics:
     if not shaker.rigid:
         A[z, vz] = 1.0
         A[vz], B[vz] = lx, lu
-        B[vz, base] -= 1.0
+        B[vz, u.base] -= 1.0
     if rig.coil.drive == 'voltage':
         A[i, i] = -rig.coil.resistance / rig.coil.inductance
         A[i, v] = -k / rig.coil.inductance
-        B[i, s] = 1.0 / rig.coil.inductance
+        B[i, u.voltage] = np.eye(n) / rig.coil.inductance
     else:
         wa = 2.0 * math.pi * rig.coil.bandwidth
         A[i, i] = -wa
-        B[i, s] = wa * rig.coil.transconductance
-    return Mechanics(A, B, np.vstack([ax, lx]), np.vstack([au, lu]), H, h, S, M, K, C, k)
+        B[i, u.voltage] = np.eye(n) * (wa * rig.coil.transconductance)
+    return Mechanics(
+        A=A, B=B, C=np.vstack([ax, lx]), D=np.vstack([au, lu]),
+        H=H, h=h, S=S, M=M, K=K, C_strut=C, k=k,
+    )  # fmt: skip

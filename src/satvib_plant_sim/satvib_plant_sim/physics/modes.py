@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The payload on its struts: stiffness, modes, and how a strut swings when it is let go.
+"""The payload on its struts: stiffness, modes, and the free response of each strut.
 
 K_0 = S^T diag(K_i) S,   det(K_0 - (2 pi f)^2 M) = 0   (lower plate held)
 """
@@ -13,6 +13,7 @@ from scipy.linalg import expm
 from scipy.optimize import least_squares
 
 from satvib_plant_sim.physics.mechanics import mechanics
+from satvib_plant_sim.physics.state import PlateSlot, state_of, state_size
 from satvib_plant_sim.rig.rig import Rig
 
 
@@ -35,20 +36,21 @@ def equilibrium(rig: Rig, stroke: Array) -> Array:
     """Give the state (3n + 2) at rest with strokes (n), m: the lower plate gives way to the struts."""
     n = rig.struts.count
     m = mechanics(rig)
-    x = np.zeros(3 * n + 2)
-    x[:n] = stroke
+    x = np.zeros(state_size(n))
+    state = state_of(x, n)
+    state.stroke[:] = stroke
     if not rig.shaker.rigid:
-        x[3 * n] = np.sum(m.K * stroke) / rig.shaker.stiffness
+        state.plate[PlateSlot.POSITION] = np.sum(m.K * stroke) / rig.shaker.stiffness
     return x
 
 
 def free_response(rig: Rig, duration: float = 0.15, heave: float = 1e-3) -> tuple[Array, Array]:
-    """Let the payload go from a heave, all coils at 0 V.
+    """Give the free response from a heave, all coils at 0 V.
 
     Args:
-        rig: the rig; stops and limits are left out.
+        rig: without its stops and limits.
         duration: s.
-        heave: m, stroke of every strut before.
+        heave: m, stroke of every strut at the beginning.
 
     Returns:
         Times (t,), s, every 0.25 ms, and the motions w_i (n, t), m, relative to the source.
@@ -60,13 +62,14 @@ def free_response(rig: Rig, duration: float = 0.15, heave: float = 1e-3) -> tupl
     times = np.arange(round(duration / h), dtype=np.float64) * h
     motion = np.empty((n, len(times)))
     for j in range(len(times)):
-        motion[:, j] = x[:n] + x[3 * n]
+        state = state_of(x, n)
+        motion[:, j] = state.stroke + state.plate[PlateSlot.POSITION]
         x = E @ x
     return times, motion
 
 
 def strut_modes(rig: Rig, duration: float = 0.15) -> tuple[Array, Array]:
-    """Fit w_i'' + 2 zeta wn w_i' + wn^2 w_i = 0, released at rest, to each strut's own free response.
+    """Fit w_i'' + 2 zeta wn w_i' + wn^2 w_i = 0, started at rest, to each strut's own free response.
 
     Returns:
         wn (n,), rad/s, and zeta (n,).

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sensor noise at the converter: white noise through the sensor chain, sampled exactly.
 
-The chain is linear, so noise has states of its own and truth stays free of it. Between samples
+The chain is linear, so the noise has states of its own and the truth has no noise. Between samples
 
     x(k+1) = E x(k) + L xi(k),   E = exp(A T),   L L' = Q(T) = int_0^T exp(A r) b q b' exp(A' r) dr
 
@@ -12,11 +12,14 @@ only adds. The first state is drawn from the stationary covariance Q(infinity), 
 """
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.kernels.compile import kernel
 from scipy.linalg import cholesky
 
+from satvib_plant_sim.physics.converters import lsb
 from satvib_plant_sim.physics.matrix_exponential import exponential
 from satvib_plant_sim.physics.sensor_chain import noise_intensity, sensor_chain
 from satvib_plant_sim.rig.any_rig import AnyRig
@@ -26,25 +29,17 @@ from satvib_plant_sim.rig.rig import Accelerometer, Acquisition, Rig
 BLOCK = 128
 
 
-def noise_covariance(rig: Rig) -> Array:
-    """Give the stationary covariance (c, c) of a chain's noise states; the last is the converter's input."""
-    return _noise_model(rig.accelerometer, rig.acquisition)[3]
-
-
 def noise_floor(rig: AnyRig) -> float:
     """Give what one channel reads at rest, RMS about its mean, m/s^2: sensor noise and quantization (lsb^2 / 12)."""
     if isinstance(rig, IirRig):
         return rig.noise_floor()
-    lsb = quantum(rig)
-    return float(np.sqrt(noise_covariance(rig)[-1, -1] + lsb * lsb / 12.0))
+    step = quantum(rig)
+    return float(np.sqrt(noise_model(rig).covariance[-1, -1] + step * step / 12.0))
 
 
 def quantum(rig: Rig) -> float:
     """Give the least significant bit of the input converter, m/s^2; 0 when it is exact."""
-    acquisition = rig.acquisition
-    if acquisition.input_bits == 0:
-        return 0.0
-    volts = 2.0 * acquisition.input_range / 2.0**acquisition.input_bits
+    volts = lsb(rig.acquisition.input_range, rig.acquisition.input_bits)
     return volts / rig.accelerometer.sensitivity
 
 
@@ -53,22 +48,36 @@ def _factor(covariance: Array) -> Array:
     scale = float(np.max(np.abs(covariance)))
     if scale == 0.0:
         return np.zeros_like(covariance)
-    # the far stages of a short step hardly move: keep the factorization defined at rounding level
+    # in a short step the last stages hardly move: this keeps the matrix positive definite at rounding level
     tiny = np.eye(len(covariance)) * 1e-15
     factor: Array = cholesky(covariance / scale + tiny, lower=True) * np.sqrt(scale)
     return factor
 
 
-def noise_model(rig: Rig) -> tuple[Array, Array, Array]:
-    """Give E, L and the factor of the stationary covariance, each (c, c)."""
-    return _noise_model(rig.accelerometer, rig.acquisition)[:3]
+class NoiseModel(NamedTuple):
+    """The noise of one channel, (c, c) each.
+
+    Attributes:
+        step: E.
+        drive: L.
+        start: factor of the stationary covariance.
+        covariance: the stationary covariance; the last state is the converter's input.
+    """
+
+    step: Array
+    drive: Array
+    start: Array
+    covariance: Array
+
+
+def noise_model(rig: Rig) -> NoiseModel:
+    """Give the noise model of a rig's channels."""
+    return _noise_model(rig.accelerometer, rig.acquisition)
 
 
 @lru_cache(maxsize=256)
-def _noise_model(
-    sensor: Accelerometer, acquisition: Acquisition
-) -> tuple[Array, Array, Array, Array]:
-    """Do the work once for all rigs that measure alike."""
+def _noise_model(sensor: Accelerometer, acquisition: Acquisition) -> NoiseModel:
+    """Make the model once for all rigs with the same sensors and acquisition."""
     A, b, _ = sensor_chain(sensor, acquisition)
     c = len(b)
     doublings = max(int(np.ceil(np.log2(2.0 * acquisition.period * np.abs(A).max()))), 0)
@@ -84,7 +93,29 @@ def _noise_model(
     while np.abs(step).max() > 1e-20:
         step, forever = step @ step, forever + step @ forever @ step.T
     forever = 0.5 * (forever + forever.T)
-    return E, _factor(0.5 * (Q + Q.T)), _factor(forever), forever
+    return NoiseModel(
+        step=E, drive=_factor(0.5 * (Q + Q.T)), start=_factor(forever), covariance=forever
+    )
+
+
+@kernel(
+    'void(f8[:,:],f8[:,:],f8[:,:],f8[:,:],f8[:])',
+    '(q,q),(q,q),(m,q),(m,q)->(q)',
+    writable=('noise',),
+)
+def advance_noise(E, L, normal, noise, scratch):
+    """Take the noise states one sample on: E noise + L normal, per channel."""
+    stages = noise.shape[1]
+    for i in range(noise.shape[0]):
+        for p in range(stages):
+            total = 0.0
+            for q in range(stages):
+                total += E[p, q] * noise[i, q]
+            for q in range(p + 1):
+                total += L[p, q] * normal[i, q]
+            scratch[p] = total
+        for p in range(stages):
+            noise[i, p] = scratch[p]
 
 
 class NormalSource:
@@ -94,7 +125,7 @@ class NormalSource:
 
     Args:
         seeds: one per trial.
-        stream: tells the uses of a seed apart.
+        stream: which use of the seed this is (`Stream`).
         width: numbers per sample.
     """
 

@@ -15,6 +15,7 @@ from satvib_plant_sim.physics.noise import NormalSource
 from satvib_plant_sim.plant.batch import checked_voltage, require_equal, trials_of
 from satvib_plant_sim.plant.observation import Sample, Truth
 from satvib_plant_sim.rig.identified_rig import IirRig, IirStrut
+from satvib_plant_sim.rig.streams import Stream
 
 
 class IirPlant:
@@ -54,7 +55,7 @@ class IirPlant:
         self._rms = np.array([[r.noise_rms] for r in rigs])
         self._quantum = np.array([[r.quantum] for r in rigs])
         self._bias = np.array([[r.bias] for r in rigs])
-        self._normal = NormalSource(seeds, 1, n)
+        self._normal = NormalSource(seeds, Stream.NOISE, n)
         self._nothing = np.full((*self.shape, n), np.nan)
         self.terminal_voltage = np.zeros((*self.shape, n))
         self._output = np.zeros((trials, n))
@@ -73,7 +74,8 @@ class IirPlant:
         coarse = self._quantum > 0.0
         step = np.where(coarse, self._quantum, 1.0)
         reading = np.where(coarse, np.floor(reading / step + 0.5) * step, reading)
-        return Sample(self.sequence, reading.reshape(*self.shape, self.struts), self._nothing)
+        upper = reading.reshape(*self.shape, self.struts)
+        return Sample(sequence=self.sequence, upper=upper, lower=self._nothing)
 
     def advance(self, voltage: ArrayLike, arrival: ArrayLike | None = None) -> Truth:  # noqa: ARG002
         """Go on to the next sample.
@@ -93,7 +95,14 @@ class IirPlant:
         nothing = self._nothing
         self.sequence += 1
         self._see(self._path.step(applied))
-        return Truth(truth, nothing[..., None], nothing, nothing, nothing, nothing)
+        return Truth(
+            upper=truth,
+            lower=nothing[..., None],
+            stroke=nothing,
+            stroke_peak=nothing,
+            force_peak=nothing,
+            current=nothing,
+        )
 
 
 def _filters(

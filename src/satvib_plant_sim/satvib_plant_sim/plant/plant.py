@@ -17,7 +17,6 @@ from satvib_common.arrays import Array
 from satvib_plant_sim.disturbance import Disturbance
 from satvib_plant_sim.disturbance.mixer import Mixer
 from satvib_plant_sim.physics.converters import (
-    advance_noise,
     drawn_bias,
     drive_output,
     input_settings,
@@ -27,19 +26,20 @@ from satvib_plant_sim.physics.converters import (
 )
 from satvib_plant_sim.physics.energy import stored_energy
 from satvib_plant_sim.physics.modes import equilibrium
-from satvib_plant_sim.physics.noise import NormalSource, noise_model
+from satvib_plant_sim.physics.noise import NoiseModel, NormalSource, advance_noise, noise_model
+from satvib_plant_sim.physics.state import state_size
 from satvib_plant_sim.plant.batch import agree, checked_voltage, trials_of
+from satvib_plant_sim.plant.latency import VoltageQueue, measured_events
 from satvib_plant_sim.plant.observation import Sample, Truth
 from satvib_plant_sim.responses.continuous import source_transfer
 from satvib_plant_sim.rig.rig import Rig
-from satvib_plant_sim.stepping.discretize import Discrete, discretize
+from satvib_plant_sim.rig.streams import Stream
+from satvib_plant_sim.stepping.design import LANES, DesignArrays
+from satvib_plant_sim.stepping.discretize import discretize
+from satvib_plant_sim.stepping.hold import resting_ramps
 from satvib_plant_sim.stepping.period import advance_period
 
 __all__ = ['Plant', 'Sample', 'Truth']
-
-CONSTANTS = (
-    'step', 'push', 'chain', 'hold', 'force', 'strut', 'inertia', 'point', 'shaker', 'stop', 'theta',
-)  # fmt: skip
 
 
 class Plant:
@@ -77,28 +77,24 @@ class Plant:
 
         trials, n = len(rigs), self.struts
         self._mixer = self._mix(rigs)
-        self._constants = [_stack(designs, name) for name in CONSTANTS]
-        self._linear = np.array([float(r.acquisition.hold == 'linear') for r in rigs])
-        delays = np.array([d.delay for d in designs])
-        self._periods_late = np.array(
-            [_whole_periods(r, d.delay) for r, d in zip(rigs, designs, strict=True)]
+        self._designs = DesignArrays(
+            *(np.stack(rows) for rows in zip(*(d.arrays for d in designs), strict=True))
         )
-        self._event = np.repeat(delays[:, None, 1:].astype(float), n, axis=1)
-        self._queue = np.zeros((int(self._periods_late.max()) + 1, trials, n))
+        self._linear = np.array([float(r.acquisition.hold == 'linear') for r in rigs])
+        self._on_the_way = VoltageQueue(rigs, [d.delay for d in designs], n)
 
-        self._state = np.zeros((trials, designs[0].force.shape[1]))
-        self._ramp = np.zeros((trials, n, 4))
-        self._ramp[:, :, 2] = -2.0 * self.n_fine
+        self._state = np.zeros((trials, self._designs.force.shape[-1]))
+        self._ramp = resting_ramps(trials, n, self.n_fine)
         self._input = np.array([input_settings(r) for r in rigs])
         self._output = np.array([output_settings(r) for r in rigs])
         self._scale = np.array([sensor_scale(r) for r in rigs])
         self._bias = np.array([drawn_bias(r, s) for r, s in zip(rigs, seeds, strict=True)])
         models = [noise_model(r) for r in rigs]
-        self._E, self._L = np.stack([m[0] for m in models]), np.stack([m[1] for m in models])
-        self._stages = self._E.shape[-1]
-        self._normal = NormalSource(seeds, 1, 2 * n * self._stages)
+        self._noise_models = NoiseModel(*(np.stack(rows) for rows in zip(*models, strict=True)))
+        self._stages = self._noise_models.step.shape[-1]
+        self._normal = NormalSource(seeds, Stream.NOISE, 2 * n * self._stages)
         self._noise = np.zeros((trials, 2 * n, self._stages))
-        start = np.stack([m[2] for m in models])
+        start = self._noise_models.start
         advance_noise(np.zeros_like(start), start, self._normals(0), self._noise)
         self.terminal_voltage = np.zeros((*self.shape, n))
 
@@ -120,12 +116,12 @@ class Plant:
         present = list(self.rigs)
         for trial, rig in rigs.items():
             design = discretize(rig)
-            for constants, name in zip(self._constants, CONSTANTS, strict=True):
-                constants[trial] = getattr(design, name)
+            for rows, row in zip(self._designs, design.arrays, strict=True):
+                rows[trial] = row
             self._input[trial] = input_settings(rig)
             self._scale[trial] = sensor_scale(rig)
             self._output[trial] = output_settings(rig)
-            self._delay(trial, rig, design.delay)
+            self._on_the_way.change(trial, rig, design.delay, self.sequence)
             present[trial] = rig
         self.rigs = tuple(present)
         if disturbances:
@@ -133,28 +129,13 @@ class Plant:
                 self._disturbances[trial] = disturbance
             self._mixer = self._mix(self._first_rigs)
 
-    def _delay(self, trial: int, rig: Rig, delay: tuple[int, int, int]) -> None:
-        """Let the voltages of a trial arrive with another latency; those that are on their way keep their order."""
-        self._periods_late[trial] = late = _whole_periods(rig, delay)
-        self._event[trial] = np.asarray(delay[1:], dtype=float)
-        depth = len(self._queue)
-        missing = max(late) + 1 - depth
-        if missing > 0:
-            # the voltages move to their places in the longer queue; before the oldest there was the oldest
-            k = self.sequence
-            old = [self._queue[(k - age) % depth] for age in range(1, depth + 1)]
-            queue = np.zeros((depth + missing, *self._queue.shape[1:]))
-            for age in range(1, depth + missing):
-                queue[(k - age) % len(queue)] = old[min(age, len(old)) - 1]
-            self._queue = queue
-
     def displace(self, stroke: ArrayLike) -> None:
         """Hold the payload at rest with strokes (*shape, struts), m, from which the next `advance` lets it go."""
         trials, n = len(self.rigs), self.struts
         strokes = np.broadcast_to(np.asarray(stroke, dtype=float), (*self.shape, n))
         self._state[:] = 0.0
         for i, (rig, s) in enumerate(zip(self.rigs, strokes.reshape(trials, n), strict=True)):
-            self._state[i, : 3 * n + 2] = equilibrium(rig, s)
+            self._state[i, : state_size(n)] = equilibrium(rig, s)
 
     def energy(self) -> Array:
         """Give the energy stored in mechanics, stops and coils (*shape), J."""
@@ -165,10 +146,15 @@ class Plant:
 
     def sample(self) -> Sample:
         """Read the converters at the present sample; asking again gives the same."""
-        reading = read_input(self._state, self._input, self._bias, self._scale, self._noise)
+        chains = self._state[:, -LANES:]
+        reading = read_input(chains, self._input, self._bias, self._scale, self._noise)
         n = self.struts
         shape = (*self.shape, n)
-        return Sample(self.sequence, reading[:, :n].reshape(shape), reading[:, n:].reshape(shape))
+        return Sample(
+            sequence=self.sequence,
+            upper=reading[:, :n].reshape(shape),
+            lower=reading[:, n:].reshape(shape),
+        )
 
     def advance(self, voltage: ArrayLike, arrival: ArrayLike | None = None) -> Truth:
         """Go on to the next sample.
@@ -191,22 +177,15 @@ class Plant:
         self.terminal_voltage = terminal.reshape(*self.shape, n)
         k = self.sequence
         if arrival is None:
-            depth = len(self._queue)
-            self._queue[k % depth] = terminal
-            late = (k - self._periods_late) % depth
-            command = self._queue[late, np.arange(trials)[:, None], np.arange(n)]
-            event = self._event
+            command, event = self._on_the_way.pass_on(k, terminal)
         else:
-            command = terminal
             stated = np.broadcast_to(np.asarray(arrival, dtype=float), (*self.shape, n))
-            steps = np.clip(np.rint(stated / self.fine_period), 0.0, self.n_fine)
-            event = np.zeros((trials, n, 2))
-            # a step below 0 never comes
-            event[..., 0] = np.where(np.isnan(stated), -1.0, steps).reshape(trials, n)
+            event = measured_events(stated.reshape(trials, n), self.fine_period, self.n_fine)
+            command = terminal
         upper = np.empty((trials, n, self.n_fine))
         lower = np.empty((trials, self.n_fine))
-        summary = advance_period(
-            *self._constants,
+        stroke, stroke_peak, force_peak, current = advance_period(
+            *self._designs,
             command,
             event,
             self._linear,
@@ -217,19 +196,16 @@ class Plant:
             lower,
         )
         self.sequence = k + 1
-        advance_noise(self._E, self._L, self._normals(k + 1), self._noise)
+        noise = self._noise_models
+        advance_noise(noise.step, noise.drive, self._normals(k + 1), self._noise)
         shape = (*self.shape, n)
         fine = (*shape, self.n_fine)
         below = np.broadcast_to(lower.reshape(*self.shape, 1, self.n_fine), fine)
-        stroke, peak, pull, current = (summary[:, i].reshape(shape) for i in range(4))
-        return Truth(upper.reshape(fine), below, stroke, peak, pull, current)
-
-
-def _whole_periods(rig: Rig, delay: tuple[int, int, int]) -> list[int]:
-    """How many whole periods the voltage of each strut is late."""
-    late, count = rig.acquisition.periods_late, rig.struts.count
-    return [delay[0] + each for each in (late if len(late) == count else late * count)]
-
-
-def _stack(designs: Sequence[Discrete], name: str) -> Array:
-    return np.stack([np.asarray(getattr(d, name)) for d in designs])
+        return Truth(
+            upper=upper.reshape(fine),
+            lower=below,
+            stroke=stroke.reshape(shape),
+            stroke_peak=stroke_peak.reshape(shape),
+            force_peak=force_peak.reshape(shape),
+            current=current.reshape(shape),
+        )

@@ -1,14 +1,14 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a controller of all struts sees: exact responses from every voltage to every reading, and to the payload.
+"""Exact responses from every voltage to every reading and to the payload, for a controller of all struts.
 
-Sampled, with hold, latency, filter, sensor and coil (as `sampled` does for one strut):
+Sampled, with hold, latency, filter, sensor and coil (as `one_strut` does for one strut):
 
     zero hold:   u(k-D-1) for tau, then u(k-D)
     linear hold: the end of the line u(k-D-2) -> u(k-D-1) for tau, then the beginning of u(k-D-1) -> u(k-D)
 
-Noise, quantization, stops and limits are not in it. The true acceleration between the samples is that of the baseband:
-a voltage's images above half the sample rate are left out.
+Noise, quantization, stops and limits are left out. So are the images of a voltage above half the sample rate: the true
+acceleration is that of the baseband.
 """
 
 import math
@@ -18,9 +18,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex
 
+from satvib_plant_sim.physics.mechanics import input_columns
 from satvib_plant_sim.responses.continuous import state_space
 from satvib_plant_sim.responses.one_strut import hold_taps
 from satvib_plant_sim.rig.rig import Rig
+from satvib_plant_sim.stepping.discretize import output_rows
 
 
 @dataclass(frozen=True)
@@ -54,9 +56,10 @@ def sampled_rig(rig: Rig) -> SampledRig:
     """Give the sampled model of a rig, all struts together."""
     n, T = rig.struts.count, rig.acquisition.period
     system = state_space(rig)
-    A, B = system.A, system.B[:, :n]
+    A, B = system.A, system.B[:, input_columns(n).voltage]
     whole, taps, late = hold_taps(A, B, rig.acquisition)
-    return SampledRig(whole, np.stack(taps), system.C[n + 1 : 2 * n + 1], late, T)
+    C = system.C[output_rows(n).read_upper]
+    return SampledRig(A=whole, B=np.stack(taps), C=C, late=late, dt=T)
 
 
 @dataclass(frozen=True)
@@ -87,11 +90,16 @@ def rig_response(rig: Rig, frequency: ArrayLike) -> RigResponse:
     inner = s[:, None, None] * np.eye(len(system.A)) - system.A
     inside = np.linalg.solve(inner, system.B[None])
     both = np.asarray(system.C @ inside + system.D, dtype=complex)
-    true, read = both[:, :n], both[:, n + 1 : 2 * n + 1]
+    rows, u = output_rows(n), input_columns(n)
+    true, read = both[:, rows.upper], both[:, rows.read_upper]
+    source = slice(u.base, u.payload + 1)
     step = (1.0 - np.exp(-s * T)) / (s * T)
     hold = step if rig.acquisition.hold == 'zero' else step * step
     hold = hold * np.exp(-s * rig.acquisition.input_delay)
     return RigResponse(
-        f, sampled_rig(rig).response(f), true[:, :, :n] * hold[:, None, None],
-        read[:, :, n : n + 2], true[:, :, n : n + 2],
-    )  # fmt: skip
+        frequency=f,
+        read_voltage=sampled_rig(rig).response(f),
+        true_voltage=true[:, :, u.voltage] * hold[:, None, None],
+        read_source=read[:, :, source],
+        true_source=true[:, :, source],
+    )

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The linear rig for analysis: state space, frequency response, and the transfer from the source to the lower plate.
 
-Latency, hold and sampling are not in it; `sampled` has them.
+Latency, hold and sampling are left out; `one_strut` and `all_struts` have them.
 """
 
 import math
@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex
 
-from satvib_plant_sim.physics.mechanics import mechanics
+from satvib_plant_sim.physics.mechanics import input_columns, mechanics
+from satvib_plant_sim.physics.state import state_size
 from satvib_plant_sim.rig.rig import Rig
-from satvib_plant_sim.stepping.discretize import INPUTS, full_system
+from satvib_plant_sim.stepping.design import DRIVING, LANES
+from satvib_plant_sim.stepping.discretize import full_system, output_rows
 
 
 @dataclass(frozen=True)
@@ -39,19 +41,19 @@ def state_space(rig: Rig) -> StateSpace:
     """Give the continuous-time linear rig with its sensor chains."""
     n = rig.struts.count
     system = full_system(rig)
-    lanes = (np.arange(len(system.A)) - INPUTS) % 4
+    lanes = (np.arange(len(system.A)) - DRIVING) % LANES
     index = np.arange(len(system.A))
-    used = (index < 3 * n + 2) | ((index >= INPUTS) & (lanes <= n))
-    u = slice(0, n + 2)
+    used = (index < state_size(n)) | ((index >= DRIVING) & (lanes <= n))
+    u = slice(0, input_columns(n).payload + 1)
     struts = [str(i + 1) for i in range(n)]
     true = [*(f'upper_{i}' for i in struts), 'lower']
     return StateSpace(
-        system.A[np.ix_(used, used)],
-        system.B[used, u],
-        system.C[:, used],
-        system.D[:, u],
-        (*(f'voltage_{i}' for i in struts), 'base', 'payload'),
-        (*true, *(f'read_{name}' for name in true)),
+        A=system.A[np.ix_(used, used)],
+        B=system.B[used, u],
+        C=system.C[:, used],
+        D=system.D[:, u],
+        inputs=(*(f'voltage_{i}' for i in struts), 'base', 'payload'),
+        outputs=(*true, *(f'read_{name}' for name in true)),
     )
 
 
@@ -76,6 +78,7 @@ def source_transfer(rig: Rig, frequency: float) -> float:
     """
     m = mechanics(rig)
     n = rig.struts.count
+    base, lower = input_columns(n).base, output_rows(n).lower
     s = 2j * math.pi * frequency
-    x = np.linalg.solve(s * np.eye(len(m.A)) - m.A, m.B[:, n])
-    return float(abs(m.C[n] @ x + m.D[n, n]))
+    x = np.linalg.solve(s * np.eye(len(m.A)) - m.A, m.B[:, base])
+    return float(abs(m.C[lower] @ x + m.D[lower, base]))

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an identifier of one strut should find: the exact sampled model from its voltage to its own reading.
+"""The model that an identifier of one strut should find: the exact sampled model from its voltage to its own reading.
 
-The other struts stand at 0 V. Hold, latency, anti-alias filter, sensor and coil are all in it; noise, quantization and
+The other struts are at 0 V. Hold, latency, anti-alias filter, sensor and coil are included; noise, quantization and
 limits are not. With the latency D T + tau, 0 <= tau < T, the voltage of period k is
 
     zero hold:   u(k-D-1) for tau, then u(k-D)
@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex
 
+from satvib_plant_sim.physics.state import state_size
 from satvib_plant_sim.responses.continuous import state_space
 from satvib_plant_sim.rig.any_rig import AnyRig
 from satvib_plant_sim.rig.rig import Acquisition, Rig
-from satvib_plant_sim.stepping.discretize import transition
+from satvib_plant_sim.stepping.discretize import output_rows, transition
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class SampledModel:
     def coefficients(self) -> tuple[Array, Array, int]:
         """Give a, b and the delay of y(k) + a_1 y(k-1) + ... = b_1 u(k-delay) + b_2 u(k-delay-1) + ...
 
-        The order is that of the state, so the highest coefficients are tiny: fast poles that a sample hardly sees.
+        The order is that of the state. The highest coefficients are tiny: their poles are much faster than a sample.
         """
         m = len(self.A)
         a = np.poly(self.A)
@@ -114,13 +115,14 @@ def discrete_strut_model(rig: Rig, strut_index: int = 0) -> SampledModel:
     """Give the sampled model of one strut (index 0 is the first)."""
     n, T = rig.struts.count, rig.acquisition.period
     system = state_space(rig)
-    # this strut's own chain and the mechanics; the other chains only listen
-    own = 3 * n + 2 + strut_index + (n + 1) * np.arange((len(system.A) - 3 * n - 2) // (n + 1))
-    keep = np.concatenate([np.arange(3 * n + 2), own])
+    # the mechanics and this strut's own sensor chain; the other chains act on nothing
+    size = state_size(n)
+    own = size + strut_index + (n + 1) * np.arange((len(system.A) - size) // (n + 1))
+    keep = np.concatenate([np.arange(size), own])
     A, b = system.A[np.ix_(keep, keep)], system.B[keep, strut_index : strut_index + 1]
-    c = system.C[n + 1 + strut_index, keep]
+    c = system.C[output_rows(n).read_upper, keep][strut_index]
     whole, taps, late = hold_taps(A, b, rig.acquisition)
-    return SampledModel(whole, np.hstack(taps), c, late, T)
+    return SampledModel(A=whole, B=np.hstack(taps), c=c, late=late, dt=T)
 
 
 def strut_response(rig: AnyRig, strut_index: int, frequency: Array) -> Complex:

@@ -11,63 +11,54 @@ which is exact for such inputs; all three come from one matrix exponential (Van 
 or bends by dV', at theta h within the step adds G0(h - theta h) dV, or G1(h - theta h) dV': by superposition the two
 parts of a divided step, each exact.
 
-Layout of a state (R): sixteen slots for what drives everything, which are mechanics and coils (3n+2), two for the
-voltages, two for the base's disturbance at both ends of a step; then the sensor chains, stage by stage, four lanes
-each: the n upper sensors and the lower one (the lower plate is one body, so its chain is shared).
-Slopes are per fine step, not per second.
+`design` has the layout of a row (R). Slopes are per fine step, not per second.
 """
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from satvib_common.arrays import Array
 
 from satvib_plant_sim.physics.matrix_exponential import exponential
-from satvib_plant_sim.physics.mechanics import Mechanics, mechanics
+from satvib_plant_sim.physics.mechanics import Mechanics, input_columns, mechanics
 from satvib_plant_sim.physics.sensor_chain import sensor_chain
+from satvib_plant_sim.physics.state import state_size
 from satvib_plant_sim.rig.rig import Rig
+from satvib_plant_sim.stepping.design import (
+    DRIVING,
+    LANES,
+    DesignArrays,
+    DriveSlot,
+    ShakerConstants,
+    StopConstants,
+    StrutConstants,
+    VoltageColumns,
+)
 
-INPUTS = 16
-LANES = 4
+
+class Delay(NamedTuple):
+    """When a voltage takes effect: whole periods, then whole fine steps, then theta when `at_theta` is 1."""
+
+    periods: int
+    step: int
+    at_theta: int
 
 
 @dataclass(frozen=True)
 class Discrete:
-    """One rig, ready for the kernel; R rows, n struts, c stages of a sensor chain.
+    """One rig, ready for the kernel: its constants, and the delay of its voltages."""
 
-    Attributes:
-        step: (16, R) the columns that multiply the first sixteen slots; those of the voltages are left to the kernel.
-        push: (2, R) the same for the force on the payload at both ends of a step.
-        chain: (c, c) within a chain.
-        hold: (4, n, R) G0(h), G1(h), G0(h - theta h), G1(h - theta h) of the voltages.
-        force: (n, R) G0(h) of the corrective forces.
-        strut: (6, n) K, C, k, stroke limit, force limit, 1 where back-EMF acts (voltage drive).
-        inertia: (n, n) H, 1/kg; then `point` (n,) h.
-        shaker: (4,) k_s / m_l, c_s / m_l, 1 / m_l, 1 when rigid.
-        stop: (3,) stiffness, damping, h.
-        delay: whole periods, fine step and whether theta counts: when a voltage takes effect.
-    """
-
-    step: Array
-    push: Array
-    chain: Array
-    hold: Array
-    force: Array
-    strut: Array
-    inertia: Array
-    point: Array
-    shaker: Array
-    stop: Array
-    delay: tuple[int, int, int]
-    theta: float
+    arrays: DesignArrays
+    delay: Delay
 
 
 @dataclass(frozen=True)
 class Full:
-    """Mechanics and all sensor chains as one continuous system, in the row layout.
+    """Mechanics and all sensor chains as one continuous system, in the row layout: x' = A x + B u, y = C x + D u.
 
-    x' = A x + B u, y = C x + D u; outputs: a (n), a_l, then the ADC inputs of the n upper and the lower sensor.
+    Inputs are those of `Mechanics`, outputs are `output_rows`.
     """
 
     A: Array
@@ -77,25 +68,41 @@ class Full:
     parts: Mechanics
 
 
+class OutputRows(NamedTuple):
+    """Where the outputs stand: true accelerations of both plates, then what the converters read of them."""
+
+    upper: slice
+    lower: int
+    read_upper: slice
+    read_lower: int
+
+
+def output_rows(n: int) -> OutputRows:
+    """Give the rows of the outputs of n struts."""
+    return OutputRows(
+        upper=slice(0, n), lower=n, read_upper=slice(n + 1, 2 * n + 1), read_lower=2 * n + 1
+    )
+
+
 def full_system(rig: Rig) -> Full:
     """Assemble mechanics and sensor chains."""
     n = rig.struts.count
     m = mechanics(rig)
     A_c, b_c, c_c = sensor_chain(rig.accelerometer, rig.acquisition)
     stages = len(b_c)
-    size, base = 3 * n + 2, INPUTS
-    total = base + LANES * stages
+    size = state_size(n)
+    total = DRIVING + LANES * stages
     A, B = np.zeros((total, total)), np.zeros((total, m.B.shape[1]))
     C, D = np.zeros((2 * (n + 1), total)), np.zeros((2 * (n + 1), m.B.shape[1]))
     A[:size, :size], B[:size] = m.A, m.B
     C[: n + 1, :size], D[: n + 1] = m.C, m.D
     for lane in range(n + 1):
-        own = base + lane + LANES * np.arange(stages)
+        own = DRIVING + lane + LANES * np.arange(stages)
         A[np.ix_(own, own)] = A_c
         A[own, :size] = np.outer(b_c, m.C[lane])
         B[own] = np.outer(b_c, m.D[lane])
         C[n + 1 + lane, own] = c_c
-    return Full(A, B, C, D, m)
+    return Full(A=A, B=B, C=C, D=D, parts=m)
 
 
 def transition(A: Array, B: Array, t: float) -> tuple[Array, Array, Array]:
@@ -114,7 +121,7 @@ def discretize(rig: Rig) -> Discrete:
     """Make the kernel's arrays of a rig, about 10 kB; the last 1024 are kept."""
     n, acquisition = rig.struts.count, rig.acquisition
     system = full_system(rig)
-    total, size = len(system.A), 3 * n + 2
+    total, size = len(system.A), state_size(n)
     n_fine = acquisition.fine_steps
     h = acquisition.period / n_fine
     steps = acquisition.input_delay / h
@@ -125,41 +132,54 @@ def discretize(rig: Rig) -> Discrete:
     P0, P1 = G0, G1
     if theta > 0.0:
         _, P0, P1 = transition(system.A, system.B, h * (1.0 - theta))
-    v, a_d, f_p, f = slice(0, n), n, n + 1, slice(n + 2, 2 * n + 2)
+    u = input_columns(n)
+    v = u.voltage
     # a straight line from u_0 to u_1 over the step
     ends = np.stack([G0 - G1 / h, G1 / h])
-    step = np.zeros((INPUTS, total))
+    step = np.zeros((DRIVING, total))
     step[:size] = E[:, :size].T
-    step[size + 2 : size + 4] = ends[:, :, a_d]
-    own = INPUTS + LANES * np.arange((total - INPUTS) // LANES)
+    step[size + DriveSlot.BASE_START : size + DriveSlot.BASE_END + 1] = ends[:, :, u.base]
+    own = DRIVING + LANES * np.arange((total - DRIVING) // LANES)
     m, shaker = system.parts, rig.shaker
-    return Discrete(
+    arrays = DesignArrays(
         step=step,
-        push=ends[:, :, f_p].copy(),
+        push=ends[:, :, u.payload].copy(),
         chain=E[np.ix_(own, own)].copy(),
-        hold=np.stack([G0[:, v].T, G1[:, v].T / h, P0[:, v].T, P1[:, v].T / h]),
-        force=np.ascontiguousarray(G0[:, f].T),
+        voltage=np.stack(
+            VoltageColumns(
+                level=G0[:, v].T, slope=G1[:, v].T / h,
+                late_level=P0[:, v].T, late_slope=P1[:, v].T / h,
+            )
+        ),
+        force=np.ascontiguousarray(G0[:, u.force].T),
         strut=np.stack(
-            [
-                m.K,
-                m.C_strut,
-                m.k,
-                np.full(n, rig.struts.stroke_limit),
-                np.full(n, rig.coil.force_limit),
-                np.full(n, float(rig.coil.drive == 'voltage')),
-            ]
+            StrutConstants(
+                stiffness=m.K,
+                damping=m.C_strut,
+                force_constant=m.k,
+                stroke_limit=np.full(n, rig.struts.stroke_limit),
+                force_limit=np.full(n, rig.coil.force_limit),
+                back_emf=np.full(n, float(rig.coil.drive == 'voltage')),
+            )
         ),
         inertia=m.H,
         point=m.h,
         shaker=np.array(
-            [
-                shaker.stiffness / shaker.mass,
-                shaker.damping / shaker.mass,
-                1.0 / shaker.mass,
-                float(shaker.rigid),
-            ]
+            ShakerConstants(
+                stiffness=shaker.stiffness / shaker.mass,
+                damping=shaker.damping / shaker.mass,
+                inverse_mass=1.0 / shaker.mass,
+                rigid=float(shaker.rigid),
+            )
         ),
-        stop=np.array([rig.struts.stop_stiffness, rig.struts.stop_damping, h]),
-        delay=(whole // n_fine, whole % n_fine, int(theta > 0.0)),
-        theta=theta,
-    )
+        stop=np.array(
+            StopConstants(
+                stiffness=rig.struts.stop_stiffness,
+                damping=rig.struts.stop_damping,
+                step_time=h,
+            )
+        ),
+        theta=np.array(theta),
+    )  # fmt: skip
+    delay = Delay(periods=whole // n_fine, step=whole % n_fine, at_theta=int(theta > 0.0))
+    return Discrete(arrays=arrays, delay=delay)

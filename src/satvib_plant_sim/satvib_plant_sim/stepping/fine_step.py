@@ -1,30 +1,54 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The parts of one fine step: the linear rig, the forces, and the corrections where something is not linear.
+"""The parts of one fine step from row x to row y: the linear rig, the forces, and the corrections.
 
 Linear: columns (16) times rows (16 + 4 stages). For the usual filters, and for one and for three struts,
 `vector_step` has the machine code, which takes a third of the time; the bits are the same with and without.
 
-Corrections are constant over the step. The coil's peak force F_max lowers the force constant to F_max / |i| while it is
-reached, for force and back-EMF alike, so that the coil never feeds energy:
+Corrections are needed where something is not linear; they are constant over the step. The coil's peak force F_max
+lowers the force constant to F_max / |i| while it is reached, for force and back-EMF alike, so that the coil never feeds
+energy:
 
     F += (k_eff - k) i,   V += (k - k_eff) s'   (voltage drive).
 
 The stops are those of `contact`.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 from numba import njit
 
-from satvib_plant_sim.physics.contact import solve_stops
-from satvib_plant_sim.stepping.discretize import INPUTS, LANES
+from satvib_plant_sim.physics.contact import Stops, solve_stops
+from satvib_plant_sim.stepping.design import DRIVING, LANES
 from satvib_plant_sim.stepping.vector_step import fma, vector_step
+
+
+class StrutForces(NamedTuple):
+    """Forces at the start of a step, (n) each, N: the coils' pull, and the total force of the strut."""
+
+    pull: Any
+    total: Any
+
+
+class Truth(NamedTuple):
+    """What is recorded of a period.
+
+    Attributes:
+        upper: (n, n_fine) m/s^2, acceleration of the upper plate at the struts.
+        lower: (n_fine) m/s^2.
+        stroke_peak, force_peak: (n) m, N; largest magnitudes.
+    """
+
+    upper: Any
+    lower: Any
+    stroke_peak: Any
+    force_peak: Any
 
 
 @njit
 def any_step(step, chain, x, y, size):
-    """Make one fine step from x to y: step^T x[:16], plus the sensor chains' own dynamics; `size` is 3n + 2."""
+    """Make one linear step from x to y: step^T x[:16], plus the sensor chains' own dynamics; `size` is 3n + 2."""
     for r in range(step.shape[1]):
         total = step[size, r] * x[size]
         for c in range(size + 1, size + 4):
@@ -35,91 +59,119 @@ def any_step(step, chain, x, y, size):
     for p in range(chain.shape[0]):
         for q in range(chain.shape[0]):
             for lane in range(LANES):
-                r = INPUTS + LANES * p + lane
-                y[r] = fma(chain[p, q], x[INPUTS + LANES * q + lane], y[r])
+                r = DRIVING + LANES * p + lane
+                y[r] = fma(chain[p, q], x[DRIVING + LANES * q + lane], y[r])
+
+
+step_1_2, step_1_3, step_1_5 = vector_step(1, 2), vector_step(1, 3), vector_step(1, 5)
+step_3_2, step_3_3, step_3_5 = vector_step(3, 2), vector_step(3, 3), vector_step(3, 5)
 
 
 def _forces(n: int) -> Any:
     """Make the function that gives the strut forces of n struts."""
 
     @njit
-    def forces(x, y, strut, pull, f):
-        """Fill the coils' pull and the struts' force f (n) at the start of a step; True when it needs correcting."""
+    def forces(x, y, strut, load):
+        """Fill `load` (`StrutForces`) at the start of a step; gives whether the step needs a correction."""
         active = False
         for i in range(n):
-            pull[i] = strut[2, i] * x[2 * n + i]
-            f[i] = (pull[i] - strut[0, i] * x[i]) - strut[1, i] * x[n + i]
-            active |= abs(pull[i]) > strut[4, i]
-            active |= abs(x[i]) > strut[3, i]
-            active |= abs(y[i]) > strut[3, i]
+            stroke = x.state.stroke[i]
+            load.pull[i] = strut.force_constant[i] * x.state.current[i]
+            spring = strut.stiffness[i] * stroke
+            load.total[i] = (load.pull[i] - spring) - strut.damping[i] * x.state.rate[i]
+            active |= abs(load.pull[i]) > strut.force_limit[i]
+            active |= abs(stroke) > strut.stroke_limit[i]
+            active |= abs(y.state.stroke[i]) > strut.stroke_limit[i]
         return active
 
     return forces
 
 
 def _record(n: int) -> Any:
-    """Make the function that keeps what n struts did in a step."""
+    """Make the function that records what n struts did in a step."""
 
     @njit
-    def record(y, inertia, pull, f, peak, upper, j):
-        """Keep the peaks of stroke and pull (2, n) and the accelerations of column j; give the sum of the forces."""
+    def record(y, inertia, load, truth, j):
+        """Record the peaks, and the accelerations of fine step j; gives the sum of the forces."""
         total = 0.0
         for i in range(n):
-            total += f[i]
-            peak[0, i] = max(peak[0, i], abs(y[i]))
-            peak[1, i] = max(peak[1, i], abs(pull[i]))
+            total += load.total[i]
+            truth.stroke_peak[i] = max(truth.stroke_peak[i], abs(y.state.stroke[i]))
+            truth.force_peak[i] = max(truth.force_peak[i], abs(load.pull[i]))
             a = 0.0
             for k in range(n):
-                a += inertia[i, k] * f[k]
-            upper[i, j] = a
+                a += inertia[i, k] * load.total[k]
+            truth.upper[i, j] = a
         return total
 
     return record
 
 
-step_1_2, step_1_3, step_1_5 = vector_step(1, 2), vector_step(1, 3), vector_step(1, 5)
-step_3_2, step_3_3, step_3_5 = vector_step(3, 2), vector_step(3, 3), vector_step(3, 5)
-forces_1, forces_3 = _forces(1), _forces(3)
-record_1, record_3 = _record(1), _record(3)
+_forces_1, _forces_3 = _forces(1), _forces(3)
+_record_1, _record_3 = _record(1), _record(3)
 
 
 @njit
-def add_rows(y, gains, amounts):
-    """Add the sum over i of gains[i] amounts[i] to y."""
+def strut_forces(x, y, strut, load, n):
+    """Fill the forces `load` at the start of a step; gives whether the step needs a correction."""
+    return _forces_3(x, y, strut, load) if n == 3 else _forces_1(x, y, strut, load)
+
+
+@njit
+def record_step(y, inertia, load, truth, j, n):
+    """Record the peaks, and the accelerations of fine step j; gives the sum of the forces, N."""
+    if n == 3:
+        return _record_3(y, inertia, load, truth, j)
+    return _record_1(y, inertia, load, truth, j)
+
+
+@njit
+def add_columns(y, columns, amounts):
+    """Add the sum over i of columns[i] amounts[i] to y."""
     for i in range(amounts.shape[0]):
         for r in range(y.shape[0]):
-            y[r] += gains[i, r] * amounts[i]
+            y[r] += columns[i, r] * amounts[i]
 
 
 @njit
-def correct(x, y, strut, voltage, force, stop, pull, f):
-    """Correct a step from x to y for coils at their peak force and struts at their stops.
+def correct(x, y, design, load):
+    """Correct a step for coils at their peak force and struts at their stops; y and `load` change."""
+    strut = design.strut
+    _limit_coils(x, y, design, load)
+    for i in range(load.pull.shape[0]):
+        limit = strut.stroke_limit[i]
+        if abs(x.state.stroke[i]) > limit or abs(y.state.stroke[i]) > limit:
+            _stop_struts(x, y, design, load)
+            return
 
-    Args:
-        x, y: states at both ends; y changes.
-        strut: (6, n) of `Discrete`.
-        voltage, force: (n, R) what a volt, and a newton, held over the step adds to y.
-        stop: (3,) stiffness, damping, h.
-        pull, f: (n) forces of `forces`; both change.
-    """
-    n = strut.shape[1]
-    stops = pull * 0.0
-    free = stops.copy()
-    for i in range(n):
-        if abs(pull[i]) > strut[4, i]:
-            limited = strut[4, i] if pull[i] > 0.0 else -strut[4, i]
-            back = (strut[2, i] - limited / x[2 * n + i]) * x[n + i] * strut[5, i]
-            excess = limited - pull[i]
-            for r in range(y.shape[0]):
-                y[r] += voltage[i, r] * back + force[i, r] * excess
-            pull[i] = limited
-            f[i] += excess
-    contact = False
-    for i in range(n):
-        free[i] = y[i]
-        contact |= abs(x[i]) > strut[3, i] or abs(y[i]) > strut[3, i]
-    if contact:
-        solve_stops(x, free, force, strut, stop[0], stop[1] / stop[2], stops)
-        add_rows(y, force, stops)
-        for i in range(n):
-            f[i] += stops[i]
+
+@njit
+def _limit_coils(x, y, design, load):
+    """Lower the force constant of coils that pull more than their peak force."""
+    strut = design.strut
+    for i in range(load.pull.shape[0]):
+        if abs(load.pull[i]) > strut.force_limit[i]:
+            limited = strut.force_limit[i] if load.pull[i] > 0.0 else -strut.force_limit[i]
+            constant = strut.force_constant[i] - limited / x.state.current[i]
+            back = constant * x.state.rate[i] * strut.back_emf[i]
+            excess = limited - load.pull[i]
+            for r in range(y.whole.shape[0]):
+                y.whole[r] += design.voltage.level[i, r] * back + design.force[i, r] * excess
+            load.pull[i] = limited
+            load.total[i] += excess
+
+
+@njit
+def _stop_struts(x, y, design, load):
+    """Add the forces of the stops."""
+    stop = design.stop
+    stops = Stops(
+        limit=design.strut.stroke_limit,
+        stiffness=stop.stiffness,
+        damping_per_step=stop.damping / stop.step_time,
+    )
+    force = np.zeros(load.pull.shape[0])
+    solve_stops(x.state.stroke, y.state.stroke, design.force, stops, force)
+    add_columns(y.whole, design.force, force)
+    for i in range(force.shape[0]):
+        load.total[i] += force[i]

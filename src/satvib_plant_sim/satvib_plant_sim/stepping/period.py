@@ -5,160 +5,176 @@
 Every fine step is exact for the linear rig (`discretize`), with the voltages of `hold`; `fine_step` has its parts.
 """
 
+from enum import IntEnum
+
 import numpy as np
 from numba import njit
 from satvib_common.kernels.compile import kernel
 
+from satvib_plant_sim.physics.state import PlateSlot
+from satvib_plant_sim.stepping.design import DriveSlot, named_design, row_of
 from satvib_plant_sim.stepping.fine_step import (
-    add_rows,
+    StrutForces,
+    Truth,
+    add_columns,
     any_step,
     correct,
-    forces_1,
-    forces_3,
-    record_1,
-    record_3,
+    record_step,
     step_1_2,
     step_1_3,
     step_1_5,
     step_3_2,
     step_3_3,
     step_3_5,
+    strut_forces,
 )
-from satvib_plant_sim.stepping.hold import begin_lines, next_event, turn
+from satvib_plant_sim.stepping.hold import (
+    Line,
+    Voltages,
+    begin_period,
+    change_lines,
+    end_period,
+    next_event,
+)
+
+
+class DisturbanceRow(IntEnum):
+    """What shakes the rig."""
+
+    BASE = 0  # acceleration of the base, m/s^2
+    PAYLOAD = 1  # force on the payload, N; the row may be missing
 
 
 @njit
-def _load_voltages(line, hold, step, slot):
-    """Put what the voltages add per step (constant, and per step index) into two columns of `step`."""
-    for r in range(step.shape[1]):
+def _load_voltages(line, design, n):
+    """Put what the voltages add per step, and per step index, into their two columns of `design.step`."""
+    columns, driven = design.voltage, design.step[3 * n + 2 : 3 * n + 6]
+    for r in range(design.step.shape[1]):
         constant = 0.0
         growing = 0.0
-        for i in range(line.shape[1]):
-            constant += hold[0, i, r] * line[0, i] + hold[1, i, r] * line[1, i]
-            growing += hold[0, i, r] * line[1, i]
-        step[slot, r] = constant
-        step[slot + 1, r] = growing
+        for i in range(n):
+            level, slope = line.level[i], line.slope[i]
+            constant += columns.level[i, r] * level + columns.slope[i, r] * slope
+            growing += columns.level[i, r] * slope
+        driven[DriveSlot.ONE, r] = constant
+        driven[DriveSlot.STEP, r] = growing
+
+
+@njit
+def _drive(drive, disturbance, j):
+    """Set what drives fine step j from outside."""
+    drive[DriveSlot.ONE] = 1.0
+    drive[DriveSlot.STEP] = j
+    drive[DriveSlot.BASE_START] = disturbance[DisturbanceRow.BASE, j]
+    drive[DriveSlot.BASE_END] = disturbance[DisturbanceRow.BASE, j + 1]
+
+
+@njit
+def _push_payload(y, push, disturbance, j):
+    """Add what the force on the payload does in fine step j."""
+    add_columns(y, push, disturbance[DisturbanceRow.PAYLOAD, j : j + 2])
+
+
+@njit
+def _divide(y, volts, design):
+    """Add what a voltage does that changes at theta within the step; its new line counts from the next step on."""
+    add_columns(y, design.voltage.late_level, volts.change.level)
+    add_columns(y, design.voltage.late_slope, volts.change.slope)
+    _load_voltages(volts.line, design, volts.command.shape[0])
+
+
+@njit
+def _record_plates(x, design, disturbance, truth, j, total):
+    """Record the accelerations of both plates at fine step j, where the struts' forces have the sum `total`."""
+    if disturbance.shape[0] > DisturbanceRow.PAYLOAD:
+        for i in range(design.point.shape[0]):
+            truth.upper[i, j] += design.point[i] * disturbance[DisturbanceRow.PAYLOAD, j]
+    shaker, plate = design.shaker, x.state.plate
+    if shaker.rigid > 0.0:
+        truth.lower[j] = disturbance[DisturbanceRow.BASE, j]
+    else:
+        suspended = (
+            shaker.stiffness * plate[PlateSlot.POSITION] + shaker.damping * plate[PlateSlot.RATE]
+        )
+        truth.lower[j] = -(total * shaker.inverse_mass) - suspended
 
 
 @kernel(
     'void(f8[:,:],f8[:,:],f8[:,:],f8[:,:,:],f8[:,:],f8[:,:],f8[:,:],f8[:],f8[:],f8[:],f8,'
-    'f8[:],f8[:,:],f8,f8[:,:],f8[:,:],f8[:],f8[:,:],f8[:],f8[:,:])',
+    'f8[:],f8[:,:],f8,f8[:,:],f8[:,:],f8[:],f8[:,:],f8[:],f8[:],f8[:],f8[:],f8[:])',
     '(c,r),(e,r),(q,q),(w,n,r),(n,r),(k,n),(n,n),(n),(l),(s),(),'
-    '(n),(n,e),(),(d,f),(n,l),(r),(n,g),(g)->(l,n)',
+    '(n),(n,e),(),(d,f),(n,l),(r),(n,g),(g)->(n),(n),(n),(n)',
     writable=('ramp', 'state', 'upper', 'lower'),
 )
 def advance_period(
-    columns,
-    push,
-    chain,
-    hold,
-    force,
-    strut,
-    inertia,
-    point,
-    shaker,
-    stop,
-    theta,
-    command,
-    event,
-    linear,
-    disturbance,
-    ramp,
-    state,
-    upper,
-    lower,
-    summary,
-):
-    """Advance one period; the arrays of the rig are those of `Discrete`.
+    step, push, chain, voltage, force, strut, inertia, point, shaker, stop, theta,
+    command, event, linear, disturbance, ramp, state, upper, lower,
+    stroke, stroke_peak, force_peak, current,
+):  # fmt: skip
+    """Advance one period; the first eleven arguments are `DesignArrays`.
 
     Args:
-        command, event: (n) V and (n, 2) when they take effect: fine step (n_fine: at the very end), flag of theta.
+        command, event: (n) V, and (n, 2) when they take effect (`EventSlot`).
         linear: 1 for linear hold.
-        disturbance: (d, n_fine + 1) base acceleration, m/s^2, and, if d is 2, payload force, N.
-        ramp, state: (n, 4) of `hold`, (R) of `discretize`; both change in place.
+        disturbance: (d, n_fine + 1) `DisturbanceRow`.
+        ramp, state: (n, 4) `RampSlot`, (R) `Row`; both change in place.
         upper, lower: (n, n_fine), (n_fine) true accelerations, m/s^2, filled.
-        summary: (4, n) result: stroke at the start, its largest magnitude, the coil's largest force, the
-            current at the start.
+        stroke, current: (n) results, m and A at the start.
+        stroke_peak, force_peak: (n) results, m and N, the largest magnitudes; the force is the coil's.
     """
-    n = strut.shape[1]
-    n_fine = lower.shape[0]
-    rows = state.shape[0]
-    stages = chain.shape[0]
-    size = 3 * n + 2
-    channels = disturbance.shape[0]
-    # copies lie densely, which the compiler needs to know
-    step = columns.copy()
-    own = chain.copy()
-    springs = strut.copy()
-    masses = inertia.copy()
-    x = state.copy()
-    y = np.zeros(rows)
-    line = np.empty((2, n))
-    change = np.zeros((2, n))
-    pull = np.empty(n)
-    f = np.empty(n)
-    peak = np.zeros((2, n))
-
-    begin_lines(ramp, n_fine, theta, line)
-    _load_voltages(line, hold, step, size)
-    upcoming = next_event(ramp, event, n_fine, -1.0)
+    n, stages, n_fine = strut.shape[1], chain.shape[0], lower.shape[0]
+    design = named_design(step, push, chain, voltage, force, strut, inertia, point, shaker, stop)
+    x, y = row_of(state.copy(), n), row_of(np.zeros(state.shape[0]), n)
+    load = StrutForces(pull=np.empty(n), total=np.empty(n))
+    truth = Truth(upper=upper, lower=lower, stroke_peak=stroke_peak, force_peak=force_peak)
+    volts = Voltages(
+        ramp=ramp, line=Line(level=np.empty(n), slope=np.empty(n)),
+        change=Line(level=np.zeros(n), slope=np.zeros(n)),
+        command=command, event=event, n_fine=n_fine, theta=theta, linear=linear > 0.0,
+    )  # fmt: skip
+    # named once: each access to a part of a tuple in the loop would count references
+    now, later, drive, columns, own = x.whole, y.whole, x.drive, design.step, design.chain
+    struts, masses = design.strut, design.inertia
     for i in range(n):
-        summary[0, i] = x[i]
-        summary[3, i] = x[2 * n + i]
-        peak[0, i] = abs(x[i])
+        stroke[i], current[i] = x.state.stroke[i], x.state.current[i]
+        stroke_peak[i], force_peak[i] = abs(stroke[i]), 0.0
 
+    begin_period(volts)
+    _load_voltages(volts.line, design, n)
+    upcoming = next_event(volts, -1.0)
     for j in range(n_fine):
         divided = False
         if upcoming == j:
-            if turn(ramp, line, event, command, linear, n_fine, theta, j, 0.0, change):
-                _load_voltages(line, hold, step, size)
-            divided = turn(ramp, line, event, command, linear, n_fine, theta, j, 1.0, change)
-            upcoming = next_event(ramp, event, n_fine, float(j))
-        x[size] = 1.0
-        x[size + 1] = j
-        x[size + 2] = disturbance[0, j]
-        x[size + 3] = disturbance[0, j + 1]
+            if change_lines(volts, j, 0.0):
+                _load_voltages(volts.line, design, n)
+            divided = change_lines(volts, j, 1.0)
+            upcoming = next_event(volts, float(j))
+        _drive(drive, disturbance, j)
         if n == 3 and stages == 2:
-            step_3_2(step, own, x, y)
+            step_3_2(columns, own, now, later)
         elif n == 3 and stages == 3:
-            step_3_3(step, own, x, y)
+            step_3_3(columns, own, now, later)
         elif n == 3 and stages == 5:
-            step_3_5(step, own, x, y)
+            step_3_5(columns, own, now, later)
         elif n == 1 and stages == 2:
-            step_1_2(step, own, x, y)
+            step_1_2(columns, own, now, later)
         elif n == 1 and stages == 3:
-            step_1_3(step, own, x, y)
+            step_1_3(columns, own, now, later)
         elif n == 1 and stages == 5:
-            step_1_5(step, own, x, y)
+            step_1_5(columns, own, now, later)
         else:
-            any_step(step, own, x, y, size)
-        if channels > 1:
-            add_rows(y, push, disturbance[1, j : j + 2])
+            any_step(columns, own, now, later, 3 * n + 2)
+        if disturbance.shape[0] > DisturbanceRow.PAYLOAD:
+            _push_payload(later, design.push, disturbance, j)
         if divided:
-            add_rows(y, hold[2], change[0])
-            add_rows(y, hold[3], change[1])
-            _load_voltages(line, hold, step, size)
-
-        if forces_3(x, y, springs, pull, f) if n == 3 else forces_1(x, y, springs, pull, f):
-            correct(x, y, springs, hold[0], force, stop, pull, f)
-        if n == 3:
-            reaction = record_3(y, masses, pull, f, peak, upper, j)
-        else:
-            reaction = record_1(y, masses, pull, f, peak, upper, j)
-        if channels > 1:
-            for i in range(n):
-                upper[i, j] += point[i] * disturbance[1, j]
-        if shaker[3] > 0.0:
-            lower[j] = disturbance[0, j]
-        else:
-            suspended = shaker[0] * x[3 * n] + shaker[1] * x[3 * n + 1]
-            lower[j] = -(reaction * shaker[2]) - suspended
-        x, y = y, x
-
+            _divide(later, volts, design)
+        if strut_forces(x, y, struts, load, n):
+            correct(x, y, design, load)
+        total = record_step(y, masses, load, truth, j, n)
+        _record_plates(x, design, disturbance, truth, j, total)
+        for r in range(state.shape[0]):
+            now[r] = later[r]
     if upcoming == n_fine:
-        turn(ramp, line, event, command, linear, n_fine, theta, n_fine, 0.0, change)
-    for i in range(n):
-        ramp[i, 2] -= n_fine
-        summary[1, i] = peak[0, i]
-        summary[2, i] = peak[1, i]
-    state[:] = x
+        change_lines(volts, n_fine, 0.0)
+    end_period(volts)
+    state[:] = now

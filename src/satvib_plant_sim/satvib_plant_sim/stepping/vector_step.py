@@ -14,7 +14,7 @@ from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from satvib_plant_sim.stepping.discretize import INPUTS, LANES
+from satvib_plant_sim.stepping.design import DRIVING, LANES
 
 _WIDTH = LANES
 
@@ -48,7 +48,7 @@ def vector_step(n: int, stages: int) -> Any:
     `step` is (16, 16 + 4 stages), `chain` (stages, stages), x and y (16 + 4 stages); all of them dense, y not x. Slots
     of y between the states and the chains are filled with nothing of use.
     """
-    size, rows = 3 * n + 2, INPUTS + LANES * stages
+    size, rows = 3 * n + 2, DRIVING + LANES * stages
 
     @intrinsic
     def machine(typing_context, step, chain, x, y):  # noqa: ARG001
@@ -92,9 +92,9 @@ def _write(builder: Any, pointers: list[Any], size: int, stages: int, rows: int)
 
     driving = {c: spread(x, c) for c in order(size)}
     within = [[spread(chain, p * stages + q) for q in range(stages)] for p in range(stages)]
-    past = [load(x, INPUTS + LANES * q) for q in range(stages)]
+    past = [load(x, DRIVING + LANES * q) for q in range(stages)]
     results = []
-    chains = range(INPUTS, rows, _WIDTH)
+    chains = range(DRIVING, rows, _WIDTH)
     for r in (*range(0, size, _WIDTH), *chains):
         lead, *others = order(size)
         total = builder.fmul(load(step, lead * rows + r), driving[lead])
@@ -102,7 +102,7 @@ def _write(builder: Any, pointers: list[Any], size: int, stages: int, rows: int)
             total = builder.call(fused, [load(step, c * rows + r), driving[c], total])
         if r in chains:
             for q in range(stages):
-                total = builder.call(fused, [within[(r - INPUTS) // LANES][q], past[q], total])
+                total = builder.call(fused, [within[(r - DRIVING) // LANES][q], past[q], total])
         results.append((r, total))
     for r, total in results:
         builder.store(total, builder.bitcast(place(y, r), vector.as_pointer()), align=8)

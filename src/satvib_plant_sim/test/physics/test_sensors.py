@@ -90,7 +90,7 @@ def test_the_noise_model_is_stationary_at_any_rate(name, rate):
     rig = load_rig(name, {'acquisition.sample_rate': rate})
     A, b, _ = sensor_chain(rig.accelerometer, rig.acquisition)
     P = solve_continuous_lyapunov(A, -noise_intensity(rig.accelerometer) * np.outer(b, b))
-    E, L, start = noise_model(rig)
+    E, L, start, _ = noise_model(rig)
     close = 1e-9 * np.abs(P).max()
     assert_allclose(E @ P @ E.T + L @ L.T, P, atol=close)
     assert_allclose(start @ start.T, P, atol=close)

@@ -8,7 +8,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from satvib_plant_sim.rig.rig import load_rig
-from satvib_plant_sim.stepping.discretize import INPUTS, LANES, discretize
+from satvib_plant_sim.stepping.design import DRIVING, LANES
+from satvib_plant_sim.stepping.discretize import discretize
 from satvib_plant_sim.stepping.fine_step import any_step
 from satvib_plant_sim.stepping.vector_step import fma, order, vector_step
 
@@ -18,12 +19,12 @@ from satvib_plant_sim.stepping.vector_step import fma, order, vector_step
 def test_vector_step_has_the_bits_of_the_plain_loop(n, stages):
     """Truth: `any_step`, the same sums written as a plain loop; equal in every bit, over 200 random steps."""
     rng = np.random.default_rng([1, n, stages])
-    size, rows = 3 * n + 2, INPUTS + LANES * stages
-    step = rng.normal(size=(INPUTS, rows))
+    size, rows = 3 * n + 2, DRIVING + LANES * stages
+    step = rng.normal(size=(DRIVING, rows))
     step[size + 4 :] = 0.0
     chain = rng.normal(size=(stages, stages))
     fast = vector_step(n, stages)
-    used = [*range(size), *range(INPUTS, rows)]
+    used = [*range(size), *range(DRIVING, rows)]
     for _ in range(200):
         x = rng.normal(size=rows) * 10.0 ** rng.integers(-8, 8, rows)
         y, plain = np.zeros(rows), np.zeros(rows)
@@ -34,20 +35,20 @@ def test_vector_step_has_the_bits_of_the_plain_loop(n, stages):
 
 def test_the_plain_loop_is_the_matrix_product():
     """Truth: numpy's product of a rig's own arrays, summed with math.fsum; 1e-13 of the largest term."""
-    design = discretize(load_rig('paper_3dof'))
+    design = discretize(load_rig('paper_3dof')).arrays
     rng = np.random.default_rng(2)
     stages, size = len(design.chain), 11
-    x = rng.normal(size=INPUTS + LANES * stages)
+    x = rng.normal(size=DRIVING + LANES * stages)
     x[size + 4] = 0.0
     step = design.step.copy()
     step[size : size + 2] = rng.normal(size=(2, step.shape[1]))
     y = np.zeros_like(x)
     any_step(step, design.chain, x, y, size)
-    for r in (*range(size), *range(INPUTS, len(x))):
+    for r in (*range(size), *range(DRIVING, len(x))):
         terms = [step[c, r] * x[c] for c in order(size)]
-        if r >= INPUTS:
-            p, lane = divmod(r - INPUTS, LANES)
-            terms += [design.chain[p, q] * x[INPUTS + LANES * q + lane] for q in range(stages)]
+        if r >= DRIVING:
+            p, lane = divmod(r - DRIVING, LANES)
+            terms += [design.chain[p, q] * x[DRIVING + LANES * q + lane] for q in range(stages)]
         assert abs(y[r] - math.fsum(terms)) <= 1e-13 * max(map(abs, terms))
 
 
