@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """From accelerations and voltages to a model, sample by sample: the mathematics of `strut_identifier`.
 
-Each sample: find out whether it follows the last one; learn the sensor's bias and noise in CALIBRATE; form the
-regressor of Eq. (32); update the estimate where the phase, the regressor and the input allow it; then judge whether
-the model may be believed.
+For each sample: check how it follows the last one; measure the sensor's bias and noise in CALIBRATE; form the regressor
+of Eq. (32); update the estimate where the phase, the regressor and the input allow it; check whether the model is
+trusted.
 
-Samples of noise alone say that y(k) has nothing to do with y(k-1), and a rule that forgets what is older ends up
-believing them: a drifts to 0. Two gates keep them out. One asks for a voltage within `input_hold`. The other asks for
-a regressor longer than noise alone makes it: with a deviation s of the sensor at rest |w|^2 / s^2 is chi-squared with
-n degrees of freedom, and the floor is its quantile for one sample in a million. As s comes from N samples, its upper
-limit with 99.9 % confidence counts.
+In samples of noise alone y(k) does not depend on y(k-1). A rule that forgets older samples would follow them, and a
+would drift to 0. Two conditions keep such samples out. The voltage must have been excited within `input_hold`. And the
+regressor must be longer than noise alone makes it: with s the deviation of the sensor at rest, |w|^2 / s^2 is
+chi-squared with n degrees of freedom, and the floor is its quantile for one sample in a million. s is estimated from N
+samples, so its upper limit with 99.9 % confidence is used.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -29,19 +29,19 @@ from satvib_ident.estimators.factory import make_estimator, make_regressor
 from satvib_ident.models.iir_model import IirModel
 from satvib_ident.models.polynomials import pole_modulus
 from satvib_ident.parameters import IdentifierParameters
-from satvib_ident.trust.checks import Verdict, judge
+from satvib_ident.trust.checks import Trust, judge
 from satvib_ident.trust.measures import RecentSignal
 from satvib_ident.trust.model_error import ModelError
 from satvib_ident.trust.response_deviation import ResponseDeviation
 
 BY_CHANCE = 1e-6  # share of the samples of noise alone that pass the floor of the regressor
 CONFIDENCE = 0.999
-ENOUGH = 20  # samples of CALIBRATE that tell the noise
+ENOUGH = 20  # samples of CALIBRATE from which the noise is known
 
 
 @dataclass(frozen=True, eq=False)
 class Identification:
-    """What is known after one sample; arrays of `shape` unless said otherwise.
+    """What is known after one sample; arrays of `shape` unless stated otherwise.
 
     Attributes:
         sequence: index of the sample.
@@ -60,10 +60,10 @@ class Identification:
         information_condition: its condition number.
         whiteness: Ljung-Box statistic over its degrees of freedom.
         response_deviation: largest relative deviation of the frequency response in the band of interest.
-        model_error: largest relative error of that response that the residual gives away.
+        model_error: largest relative error of that response that the residual shows.
         pole_modulus: largest modulus of the poles.
-        converged: the model may be believed.
-        verdict: the checks behind `converged`, with reasons.
+        converged: the model is trusted.
+        trust: the checks behind `converged`, with reasons.
     """
 
     sequence: int
@@ -85,7 +85,7 @@ class Identification:
     whiteness: Array
     pole_modulus: Array
     converged: Mask
-    verdict: Verdict
+    trust: Trust
 
     def model(self) -> IirModel:
         """The model, as a batch of `shape`."""
@@ -100,14 +100,14 @@ class Identification:
 
     @property
     def reasons(self) -> NDArray[np.object_]:
-        """Why each item may not be believed, object array (shape) of str; '' where it may."""
-        return self.verdict.reasons
+        """Why each item is not trusted, object array (shape) of str; '' where it is."""
+        return self.trust.reasons
 
     @property
     def reason(self) -> str:
-        """Why the model of a single strut may not be believed; of a batch, the first reason."""
-        failed = np.argwhere(self.verdict.failed)
-        return self.verdict.reason(tuple(failed[0])) if len(failed) else ''
+        """Why the model of a single strut is not trusted; of a batch, the first reason."""
+        failed = np.argwhere(self.trust.failed)
+        return self.trust.reason(tuple(failed[0])) if len(failed) else ''
 
 
 # what all items have in common is none of these
@@ -168,7 +168,7 @@ class IdentifierCore:
         self._know_noise()
         self._silent = np.full(self.shape, np.inf)
         self._last: Identification | None = None
-        self._measured: Verdict | None = None
+        self._measured: Trust | None = None
 
     @property
     def counters(self) -> dict[str, Array | int]:
@@ -240,7 +240,7 @@ class IdentifierCore:
         return self._last
 
     def reset(self) -> None:
-        """Forget everything but the counts."""
+        """Forget everything except the counts."""
         self.regressor.clear()
         self.estimator.reset()
         self.calibration.reset()
@@ -260,10 +260,10 @@ class IdentifierCore:
         self._phase = phase
 
     def _know_noise(self) -> None:
-        """Set the floors that follow from the sensor at rest, as far as CALIBRATE has told it."""
+        """Set the floors that follow from the noise of the sensor at rest, as far as CALIBRATE has measured it."""
         count = self.calibration.count
-        told = (count >= ENOUGH) & self.parameters.floor_from_noise
-        deviation = np.where(told, self.calibration.standard_deviation, 0.0)
+        known = (count >= ENOUGH) & self.parameters.floor_from_noise
+        deviation = np.where(known, self.calibration.standard_deviation, 0.0)
         freedom = np.maximum(count, ENOUGH) - 1.0
         upper = deviation * np.sqrt(freedom / chdtri(freedom, CONFIDENCE))
         floor = upper * np.sqrt(chdtri(self.parameters.poles, BY_CHANCE))
@@ -273,7 +273,7 @@ class IdentifierCore:
         self._gated = bool((floor > 0.0).any())
 
     def _excited(self, voltage: Array) -> Mask:
-        """Whether the input has been excited within the hold time; without it, samples tell of noise alone."""
+        """Whether the input was excited within the hold time; later samples hold noise alone."""
         loud = np.abs(voltage) > self.parameters.input_floor
         self._silent = np.where(loud, 0.0, self._silent + 1.0)
         return np.asarray(self._silent <= self._hold)
@@ -285,7 +285,7 @@ class IdentifierCore:
         theta, covariance = self.regressor.model(estimator.theta, estimator.covariance)
         if self._measured is None or k % self._period == self._period - 1:
             fresh, known = self._measure(theta, covariance), self._measured
-            # an item that did not use this sample keeps what it had: its neighbours are none of its business
+            # an item that did not use this sample keeps what it had, whatever the other items do
             self._measured = fresh if known is None else known.renewed(fresh, active)
         v = self._measured
         diagonal = np.diagonal(covariance, axis1=-2, axis2=-1)
@@ -309,19 +309,19 @@ class IdentifierCore:
             whiteness=v.whiteness,
             pole_modulus=v.pole_modulus,
             converged=v.converged,
-            verdict=v,
+            trust=v,
         )
 
-    def _measure(self, theta: Array, covariance: Array) -> Verdict:
+    def _measure(self, theta: Array, covariance: Array) -> Trust:
         p = self.parameters
         return judge(
             p,
-            self.estimator.updates,
-            theta,
-            np.asarray(pole_modulus(theta[..., : p.poles])),
-            self._input.excitation_order(p.count + 5),
-            self.estimator.information(),
-            self._response(theta, covariance),
-            self._model_error(theta),
-            self._residual.whiteness(p.whiteness_lags),
+            updates=self.estimator.updates,
+            theta=theta,
+            pole_modulus=np.asarray(pole_modulus(theta[..., : p.poles])),
+            excitation_order=self._input.excitation_order(p.count + 5),
+            information=self.estimator.information(),
+            response_deviation=self._response(theta, covariance),
+            model_error=self._model_error(theta),
+            whiteness=self._residual.whiteness(p.whiteness_lags),
         )

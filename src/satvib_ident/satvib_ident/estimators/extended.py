@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Recursive extended least squares: the noise gets a model of its own, so that it no longer bends the plant's.
+"""Recursive extended least squares: the noise has a model of its own, and so causes no bias in that of the plant.
 
     A(q) y = B(q) u + C(q) e,   w_x = [w, r(k-1) ... r(k-c)],   r(k) = y(k) - w_x(k)^T theta(k)
 
-Sensor noise on the output of the paper's model is A(q) e: plain least squares takes it for white and is off for
-ever; with c = n the model holds it exactly. It converges where 1/C - 1/2 is positive real: well damped poles. For
-poles near the unit circle use the instrumental variable.
+Sensor noise on the output of the paper's model is A(q) e. Plain least squares assumes white noise, so its bias never
+vanishes; with c = n this model describes the noise exactly. It converges where 1/C - 1/2 is positive real: for well
+damped poles. For poles near the unit circle use the instrumental variable.
 
 L. Ljung and T. Soederstroem, Theory and Practice of Recursive Identification, 1983, section 2.2.3 (RELS).
 """
@@ -49,7 +49,7 @@ def _leave(extended, y, theta, residual, peak, left):
     shown = dot_of(extended, theta)
     known = abs(y) < np.inf
     rest = y - shown if known and shown == shown else 0.0
-    # a residual beyond the signal itself tells of a wrong noise model; unclipped it would feed on itself
+    # a residual larger than the signal comes from a wrong noise model; without a bound it would grow by itself
     peak[0] = max(min(abs(y), 1e50) if known else 0.0, 0.999 * peak[0])
     left[0] = min(max(rest, -peak[0]), peak[0])
     for i in range(residual.shape[0] - 1, 0, -1):
@@ -103,7 +103,7 @@ class ExtendedLeastSquares(RecursiveLeastSquares):
         self._residual[...] = np.where(np.asarray(mask)[..., None], 0.0, self._residual)
 
     def reset(self, mask: Mask | bool = True) -> None:
-        """Begin anew where `mask` (shape) holds."""
+        """Start again where `mask` (shape) holds."""
         super().reset(mask)
         self._peak[...] = np.where(np.asarray(mask)[..., None], 0.0, self._peak)
         self.interrupt(mask)

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recursive instrumental variable: what correlates with the input, and not with the noise, decides.
 
-An auxiliary model turns the input into an output x(k) that knows nothing of the noise. It is the plant of a recursive
-extended least-squares estimator that runs along; nothing flows back from here to it, so it cannot run away. Its
-1/A(q) filters all signals, which makes the error of an output with white noise white:
+An auxiliary model turns the input into an output x(k) without noise. The model is the plant of a recursive extended
+least-squares estimator that runs beside this one. That estimator takes nothing from here, so there is no feedback that
+could diverge. Its 1/A(q) filters all signals, so that the error of an output with white noise is white:
 
     z = [-x_f(k-1) ... -x_f(k-n), u_f(k-d) ...],   w_f = [-y_f(k-1) ..., u_f(k-d) ...]
     R(k) = lambda R(k-1) + z w_f^T,   r(k) = lambda r(k-1) + z y_f,   R theta = r
@@ -18,6 +18,8 @@ P. C. Young, Recursive Estimation and Time-Series Analysis, 2011, chapter 7; T. 
 Identification, 1989, chapter 8.
 """
 
+from enum import IntEnum
+
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
@@ -26,17 +28,34 @@ from satvib_common.kernels.compile import kernel
 from satvib_common.kernels.dot import dot_of
 
 from satvib_ident.estimators.extended import ExtendedLeastSquares
-from satvib_ident.estimators.least_squares import UPDATES, RecursiveLeastSquares
+from satvib_ident.estimators.least_squares import RecursiveLeastSquares
 from satvib_ident.forgetting import Forgetting
 from satvib_ident.models.polynomials import inside
 
-STABLE = 0.995  # an auxiliary model beyond this radius would remember its own mistakes for too long
+STABLE = (
+    0.995  # an auxiliary model with poles beyond this radius would keep its own errors for too long
+)
+
+
+class Setting(IntEnum):
+    """Places of the settings."""
+
+    WARM_UP = 0  # samples before the estimate is that of the instrumental variable
+    SETTLE = 1  # samples after a break that are not used
+
+
+class Past(IntEnum):
+    """Rows of the past signals."""
+
+    OUTPUT = 0  # x, of the auxiliary model
+    FILTERED = 1  # x_f
+    MEASURED = 2  # y_f
 
 
 @kernel(
-    'void(f8[:], f8, f8[:], f8[:], f8, b1, f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:],'
+    'void(f8[:], f8, f8[:], f8, f8, b1, f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:],'
     'f8[:], f8[:], f8[:], f8[:], b1[:])',
-    '(p),(),(p),(t),(),(),(c),(p),(p),(k,n),(h),(s)->(p),(p),(),(),()',
+    '(p),(),(p),(),(),(),(c),(p),(p),(k,n),(h),(s)->(p),(p),(),(),()',
     writable=('model', 'past', 'uf', 'age'),
 )
 def _filter(
@@ -48,13 +67,13 @@ def _filter(
         w: (p) regressor.
         y: () output; one that is not finite breaks the signals.
         latest: (p) estimate of the auxiliary estimator.
-        helper: its tally.
+        helper: () samples that it has used.
         first: () its prediction error.
         helped: () whether it has used the sample.
-        settings: (2) warm-up and settling, samples.
+        settings: (2) see `Setting`.
         theta: (p) estimate.
         model: (p) last auxiliary model that was stable, changed.
-        past: (3, n) x, x_f, y_f, changed.
+        past: (3, n) see `Past`, the newest first, changed.
         uf: (max(n, m)) filtered input, changed.
         age: (1) samples since the last break, changed.
         z, wf, yf: (p), (p), () out.
@@ -66,7 +85,7 @@ def _filter(
     known = abs(y) < np.inf
     if not known:
         for i in range(n):
-            past[0, i] = past[1, i] = past[2, i] = 0.0
+            past[:, i] = 0.0
         for j in range(uf.shape[0]):
             uf[j] = 0.0
         age[0] = 0.0
@@ -81,36 +100,41 @@ def _filter(
     new_x = 0.0
     for i in range(n):
         u -= model[i] * uf[i]
-        new_y -= model[i] * past[2, i]
-        new_x -= model[i] * past[0, i]
+        new_y -= model[i] * past[Past.MEASURED, i]
+        new_x -= model[i] * past[Past.OUTPUT, i]
     for j in range(uf.shape[0] - 1, 0, -1):
         uf[j] = uf[j - 1]
     uf[0] = u
     for i in range(n):
-        z[i] = -past[1, i]
-        wf[i] = -past[2, i]
+        z[i] = -past[Past.FILTERED, i]
+        wf[i] = -past[Past.MEASURED, i]
     for i in range(n, p):
         z[i] = uf[i - n]
         wf[i] = uf[i - n]
         new_x += model[i] * w[i]
     filtered = new_x
     for i in range(n):
-        filtered -= model[i] * past[1, i]
+        filtered -= model[i] * past[Past.FILTERED, i]
     if not (abs(new_x) < 1e100 and abs(filtered) < 1e100 and abs(new_y) < 1e100):
         new_x, filtered, new_y = 0.0, 0.0, 0.0
     for i in range(n - 1, 0, -1):
-        for j in range(3):
-            past[j, i] = past[j, i - 1]
-    past[0, 0] = new_x
-    past[1, 0] = filtered
-    past[2, 0] = new_y
+        past[:, i] = past[:, i - 1]
+    past[Past.OUTPUT, 0] = new_x
+    past[Past.FILTERED, 0] = filtered
+    past[Past.MEASURED, 0] = new_y
     yf[0] = new_y
     length = 0.0
     for i in range(p):
         length += z[i] * z[i] + wf[i] * wf[i]
     rest = new_y - dot_of(wf, theta)
-    late = helper[UPDATES] >= settings[0]
-    use[0] = helped and late and age[0] >= settings[1] and abs(rest) < 1e100 and length < 1e200
+    late = helper >= settings[Setting.WARM_UP]
+    use[0] = (
+        helped
+        and late
+        and age[0] >= settings[Setting.SETTLE]
+        and abs(rest) < 1e100
+        and length < 1e200
+    )
     error[0] = rest if late else first
     age[0] += 1.0
 
@@ -160,15 +184,15 @@ def _eliminate(A, bound):
 
 
 @kernel(
-    'void(f8[:], f8[:], f8, f8, b1, f8[:], f8[:], f8[:], f8[:], f8[:,:], f8[:,:], b1[:])',
-    '(p),(p),(),(),(),(p),(t),(c),(p),(p,q),(p,q)->()',
+    'void(f8[:], f8[:], f8, f8, b1, f8[:], f8, f8[:], f8[:], f8[:,:], f8[:,:], b1[:])',
+    '(p),(p),(),(),(),(p),(),(c),(p),(p,q),(p,q)->()',
     writable=('theta', 'R'),
 )
-def _solve(z, wf, yf, kept, used, latest, tally, settings, theta, R, work, solved):
+def _solve(z, wf, yf, kept, used, latest, updates, settings, theta, R, work, solved):
     """Add a sample to [R r] (p, p + 1) and solve R theta = r.
 
-    `latest` is the estimate until there are samples enough (`settings[0]`). Where R is singular, or the solution a
-    million times larger than the estimate before, that stays. `work` is one for all items.
+    `latest` is the estimate until the warm-up is over (`updates` counts its samples). Where R is singular, or the
+    solution is a million times larger than the estimate before, that stays. `work` is one for all items.
     """
     p = theta.shape[0]
     solved[0] = False
@@ -177,7 +201,7 @@ def _solve(z, wf, yf, kept, used, latest, tally, settings, theta, R, work, solve
             for j in range(p):
                 R[i, j] = kept * R[i, j] + z[i] * wf[j]
             R[i, p] = kept * R[i, p] + z[i] * yf
-    if tally[UPDATES] < settings[0]:
+    if updates < settings[Setting.WARM_UP]:
         theta[:] = latest
     elif used:
         bound = 1.0
@@ -235,10 +259,12 @@ class InstrumentalVariable(RecursiveLeastSquares):
         self.model = np.zeros((*shape, count))
         self._R = np.zeros((*shape, count, count + 1))
         self._work = np.zeros((count, count + 1))
-        self._past = np.zeros((*shape, 3, poles))
+        self._past = np.zeros((*shape, len(Past), poles))
         self._uf = np.zeros((*shape, max(poles, coefficients)))
         self._age = np.zeros((*shape, 1))
-        self._settings = np.array([self.warm_up, self.settle], dtype=float)
+        self._settings = np.zeros(len(Setting))
+        self._settings[Setting.WARM_UP] = self.warm_up
+        self._settings[Setting.SETTLE] = self.settle
 
     def update(self, w: Array, y: Array, active: Mask | bool = True) -> Array:
         """Take one sample; the error is y_f - w_f^T theta: y minus the output of the model alone."""
@@ -246,12 +272,12 @@ class InstrumentalVariable(RecursiveLeastSquares):
         first = helper.update(w, y, active)
         latest = helper.theta[..., : self.count]
         z, wf, yf, error, use = _filter(
-            w, y, latest, helper.tally, first, helper.used, settings, self.theta,
+            w, y, latest, helper.updates, first, helper.used, settings, self.theta,
             self.model, self._past, self._uf, self._age,
         )  # fmt: skip
         self.learn(z, error, helper.kept, use)
         _solve(
-            z, wf, yf, self.kept, self.used, latest, self.tally, settings,
+            z, wf, yf, self.kept, self.used, latest, self.updates, settings,
             self.theta, self._R, self._work,
         )  # fmt: skip
         return np.asarray(error)
@@ -265,7 +291,7 @@ class InstrumentalVariable(RecursiveLeastSquares):
         self._age[...] = np.where(where, 0.0, self._age)
 
     def reset(self, mask: Mask | bool = True) -> None:
-        """Begin anew where `mask` (shape) holds."""
+        """Start again where `mask` (shape) holds."""
         super().reset(mask)
         self.auxiliary.reset(mask)
         where = np.asarray(mask)

@@ -16,6 +16,8 @@ S is the least-squares sum of residuals itself (for lambda = 1, without the prio
 P.
 """
 
+from enum import IntEnum
+
 import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
@@ -29,7 +31,14 @@ from satvib_ident.covariance.eigenvalues import information_measures
 from satvib_ident.covariance.ud import grown_scale
 from satvib_ident.forgetting import Forgetting, NoForgetting
 
-UPDATES, REFUSED, RESIDUALS, WEIGHT = range(4)  # the places of a tally
+
+class Tally(IntEnum):
+    """Places of the counts of an estimator."""
+
+    UPDATES = 0  # samples used
+    REFUSED = 1  # samples refused
+    RESIDUALS = 2  # S(k)
+    WEIGHT = 3  # N(k)
 
 
 @kernel('void(f8[:], f8, b1, f8[:], f8[:], b1[:])', '(p),(),(),(p)->(),()')
@@ -53,13 +62,13 @@ def _learn(w, error, forgotten, limit, use, theta, U, d, tally, gain, kept, used
         return
     alpha = measure_one(w, error, grown_scale(forgotten, limit, U, d), theta, U, d, gain)
     if alpha < 0.0:
-        tally[REFUSED] += 1.0
+        tally[Tally.REFUSED] += 1.0
         return
     used[0] = True
     kept[0] = forgotten
-    tally[UPDATES] += 1.0
-    tally[RESIDUALS] = forgotten * tally[RESIDUALS] + error * error / alpha
-    tally[WEIGHT] = forgotten * tally[WEIGHT] + 1.0
+    tally[Tally.UPDATES] += 1.0
+    tally[Tally.RESIDUALS] = forgotten * tally[Tally.RESIDUALS] + error * error / alpha
+    tally[Tally.WEIGHT] = forgotten * tally[Tally.WEIGHT] + 1.0
 
 
 class RecursiveLeastSquares:
@@ -75,14 +84,14 @@ class RecursiveLeastSquares:
 
     Attributes:
         theta: (*shape, p).
-        tally: (*shape, 4) samples used, samples refused, S(k), N(k).
+        tally: (*shape, 4) counts, see `Tally`.
         used, kept: (shape) whether the last sample was used, and its lambda.
 
     Raises:
         SatvibError: a count of zero, or an initial covariance that is not positive.
     """
 
-    # whether a sample that is not used must still be told, because later ones build on it
+    # whether `update` needs also the samples that are not used, because later ones build on them
     keeps_signals = False
 
     def __init__(
@@ -109,7 +118,7 @@ class RecursiveLeastSquares:
         self.theta = np.broadcast_to(self._theta0, (*shape, count)).copy()
         self.U, self.d = ud.fresh(self._P0, shape)
         self.error_scale: Array | float = 1.0
-        self.tally = np.zeros((*shape, 4))
+        self.tally = np.zeros((*shape, len(Tally)))
         self.forgetting.bind(self)
 
     def update(self, w: Array, y: Array, active: Mask | bool = True) -> Array:
@@ -138,15 +147,20 @@ class RecursiveLeastSquares:
             w, error, forgotten, self.limit, use, self.theta, self.U, self.d, self.tally
         )
 
+    def count_samples(self, used: Mask, refused: Mask) -> None:
+        """Count samples (shape) that were used or refused without `learn`."""
+        self.tally[..., Tally.UPDATES] += used
+        self.tally[..., Tally.REFUSED] += refused
+
     @property
     def updates(self) -> Array:
         """Samples used, (shape)."""
-        return self.tally[..., UPDATES].copy()
+        return self.tally[..., Tally.UPDATES].copy()
 
     @property
     def refused(self) -> Array:
         """Samples refused because they were too large to square, (shape)."""
-        return self.tally[..., REFUSED].copy()
+        return self.tally[..., Tally.REFUSED].copy()
 
     @property
     def P(self) -> Array:  # noqa: N802
@@ -156,9 +170,11 @@ class RecursiveLeastSquares:
     @property
     def noise_variance(self) -> Array:
         """Estimated variance of the prediction error, (shape); NaN until there are more samples than parameters."""
-        freedom = self.tally[..., WEIGHT] - self.count
+        freedom = self.tally[..., Tally.WEIGHT] - self.count
         known = freedom > 0.0
-        return np.where(known, self.tally[..., RESIDUALS] / np.where(known, freedom, 1.0), np.nan)
+        return np.where(
+            known, self.tally[..., Tally.RESIDUALS] / np.where(known, freedom, 1.0), np.nan
+        )
 
     @property
     def covariance(self) -> Array:
@@ -170,11 +186,11 @@ class RecursiveLeastSquares:
         return information_measures(self.U, self.d)
 
     def reset(self, mask: Mask | bool = True) -> None:
-        """Begin anew where `mask` (shape) holds: theta(0), P(0), no memory."""
+        """Start again where `mask` (shape) holds: theta(0), P(0), no memory."""
         mask = np.asarray(mask)
         self.theta[...] = np.where(mask[..., None], self._theta0, self.theta)
         self.reset_covariance(mask)
-        for place in (UPDATES, RESIDUALS, WEIGHT):
+        for place in (Tally.UPDATES, Tally.RESIDUALS, Tally.WEIGHT):
             self.tally[..., place] = np.where(mask, 0.0, self.tally[..., place])
         self.forgetting.reset(mask)
 
@@ -185,4 +201,4 @@ class RecursiveLeastSquares:
         self.d[...] = np.where(mask[..., None], self._P0, self.d)
 
     def interrupt(self, mask: Mask | bool = True) -> None:
-        """Tell that the samples stopped following one another where `mask` holds; least squares keeps no signals."""
+        """Note a break in the samples where `mask` holds; least squares keeps no signals."""

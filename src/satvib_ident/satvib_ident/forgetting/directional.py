@@ -6,8 +6,8 @@ The recent regressors span a subspace: the eigenvectors V of their mean square
 
     S(k) = mu S(k-1) + (1 - mu) w w^T
 
-with eigenvalues above epsilon^2 (the information filter: what is shorter is noise; a sample with |w| < epsilon is
-left out altogether, or noise alone would gnaw at what is known). Before each measurement, with R = P^-1,
+with eigenvalues above epsilon^2. What is shorter is noise; a sample with |w| < epsilon is left out, because noise alone
+would slowly remove what is known. Before each measurement, with R = P^-1,
 
     R <- R - (1 - lambda) R V (V^T R V)^-1 V^T R     that is     P <- P + (1/lambda - 1) V (V^T R V)^-1 V^T
 
@@ -19,6 +19,8 @@ ever forgotten: after a change of the paper's plant a1 is still off by 40 % afte
 L. Cao and H. Schwartz, A directional forgetting algorithm based on the decomposition of the information matrix,
 Automatica 36, 2000; B. Lai and D. S. Bernstein, SIFt-RLS, arXiv:2404.10844, 2024 (bounds on P without excitation).
 """
+
+from enum import IntEnum
 
 import numpy as np
 from satvib_common.arrays import Array, Mask
@@ -33,8 +35,15 @@ from satvib_ident.forgetting.none import NoForgetting
 from satvib_ident.forgetting.protocol import Factors
 from satvib_ident.forgetting.variable_rate import VariableRateForgetting, tested_factor
 
-# Along a direction in which the regressors are no longer than this many deviations of the noise they tell nothing.
+# Regressors that along a direction are no longer than this many deviations of the noise hold no information on it.
 DEVIATIONS = 2.0
+
+
+class Setting(IntEnum):
+    """Places of the settings."""
+
+    FACTOR = 0  # lambda while nothing changes
+    FADE = 1  # mu
 
 
 @kernel(
@@ -50,7 +59,7 @@ def _renew(w, error, active, settings, floor, limit, test, S, sure, ring, state,
         w: (p) regressor.
         error: () prediction error.
         active: () bool.
-        settings: (2) lambda and mu.
+        settings: (2) see `Setting`.
         floor: () epsilon^2.
         limit: () largest trace of P.
         test: settings of the F test.
@@ -70,10 +79,10 @@ def _renew(w, error, active, settings, floor, limit, test, S, sure, ring, state,
         bounded = bounded and abs(w[i]) < 1e60
     used[0] = active and dot_of(w, w) >= floor
     kept[0] = 1.0
-    factor = min(settings[0], tested_factor(error, used[0], test, ring, state))
+    factor = min(settings[Setting.FACTOR], tested_factor(error, used[0], test, ring, state))
     if not (used[0] and bounded):  # what `measure` would refuse must not get into S either
         return
-    fade = settings[1]
+    fade = settings[Setting.FADE]
     A, V = work[0], work[1]
     trace = 0.0
     for i in range(p):
@@ -133,7 +142,9 @@ class DirectionalForgetting(NoForgetting):
             raise SatvibError(f'directional forgetting: a window of {window} samples')
         self._given = floor > 0.0
         self._floor = np.asarray(floor * floor)
-        self._settings = np.array([self.factor, 1.0 - 1.0 / window])
+        self._settings = np.zeros(len(Setting))
+        self._settings[Setting.FACTOR] = self.factor
+        self._settings[Setting.FADE] = 1.0 - 1.0 / window
         # with a rate of 0 the test never asks to forget
         self._test = test if test is not None else VariableRateForgetting(1, 1, rate=0.0)
 

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Covariance resetting: P <- P_r whenever lambda_min(P) falls below a threshold (the paper, after Eq. 17).
 
-Until then nothing is forgotten. Data make P small, so with lasting excitation the estimator wakes up again and again
-and follows a plant that changes; without excitation P does not fall and nothing is reset.
+Until then nothing is forgotten. Data make P small, so with lasting excitation P is reset again and again and the
+estimator follows a plant that changes; without excitation P does not fall and nothing is reset.
 
 The test is made on the information matrix R = P^-1: lambda_min(P) < threshold where R - 1/threshold is not negative
 definite, which symmetric elimination decides. On P itself, rounding of the large eigenvalues that it begins with

@@ -14,6 +14,7 @@ Control Conference 2022. There both windows end at k; here they do not overlap, 
 """
 
 import math
+from enum import IntEnum
 
 import numpy as np
 from numba import njit
@@ -26,56 +27,72 @@ from satvib_ident.forgetting.none import NoForgetting
 from satvib_ident.forgetting.protocol import Factors
 
 
+class Setting(IntEnum):
+    """Places of the settings of the test."""
+
+    SHORT = 0  # samples of the recent window
+    THRESHOLD = 1  # sqrt(F*)
+    RATE = 2  # eta
+    SMALLEST = 3  # lambda_min
+    FLOOR = 4  # m^2/s^4, smallest mean square
+
+
+class Windows(IntEnum):
+    """Places of the state of the two windows."""
+
+    HELD = 0  # samples
+    NEXT = 1  # place of the next one
+    SHORT_SUM = 2  # sum of squares of the recent window
+    LONG_SUM = 3  # of the window before it
+
+
 @njit(inline='always')
 def push_square(error, n, ring, state):
-    """Push e^2 into the windows, the recent one of n.
-
-    `state`: samples held, next place, sum of the short window, sum of the long one.
-    """
+    """Push e^2 into the windows (`state`: see `Windows`), the recent one of n."""
     size = ring.shape[0]
-    held = int(state[0])
-    place = int(state[1])
+    held = int(state[Windows.HELD])
+    place = int(state[Windows.NEXT])
     square = min(abs(error), 1e100)
     square *= square
     middle = place - n
     if middle < 0:
         middle += size
     if held >= n:
-        state[2] -= ring[middle]
-        state[3] += ring[middle]
+        state[Windows.SHORT_SUM] -= ring[middle]
+        state[Windows.LONG_SUM] += ring[middle]
     if held == size:
-        state[3] -= ring[place]
+        state[Windows.LONG_SUM] -= ring[place]
     ring[place] = square
-    state[2] += square
+    state[Windows.SHORT_SUM] += square
     held = min(held + 1, size)
     place += 1
     if place == size:
         place = 0
-    state[0] = held
-    state[1] = place
-    if place == 0:  # once a round, wash out what rounding has left behind
-        state[2] = 0.0
-        state[3] = 0.0
+    state[Windows.HELD] = held
+    state[Windows.NEXT] = place
+    if place == 0:  # once a round, add up again without the rounding errors
+        state[Windows.SHORT_SUM] = 0.0
+        state[Windows.LONG_SUM] = 0.0
         for k in range(size - n):
-            state[3] += ring[k]
+            state[Windows.LONG_SUM] += ring[k]
         for k in range(size - n, size):
-            state[2] += ring[k]
+            state[Windows.SHORT_SUM] += ring[k]
 
 
 @njit(inline='always')
 def tested_factor(error, active, settings, ring, state):
     """Push an error where active, and give lambda; `settings` as in `VariableRateForgetting.settings`."""
     size = ring.shape[0]
-    n = int(settings[0])
+    n = int(settings[Setting.SHORT])
     if active:
         push_square(error, n, ring, state)
     ratio = 0.0
-    if int(state[0]) == size:
-        recent = max(state[2], 0.0) / n
-        before = max(state[3], 0.0) / (size - n)
-        ratio = recent / max(before, settings[4])
-    excess = max(np.sqrt(ratio) - settings[1], 0.0)
-    return max(1.0 / (1.0 + settings[2] * excess), settings[3])
+    if int(state[Windows.HELD]) == size:
+        recent = max(state[Windows.SHORT_SUM], 0.0) / n
+        before = max(state[Windows.LONG_SUM], 0.0) / (size - n)
+        ratio = recent / max(before, settings[Setting.FLOOR])
+    excess = max(np.sqrt(ratio) - settings[Setting.THRESHOLD], 0.0)
+    return max(1.0 / (1.0 + settings[Setting.RATE] * excess), settings[Setting.SMALLEST])
 
 
 @kernel(
@@ -96,11 +113,11 @@ class VariableRateForgetting(NoForgetting):
         confidence: probability that nothing is forgotten at one sample while nothing changes, in (0, 1).
         rate: eta, how fast to forget when the test says so.
         smallest: lambda_min in (0, 1].
-        floor: m/s^2; errors below it count as it, so that rounding is not taken for change.
+        floor: m/s^2; smaller errors count as this, so that rounding is not taken for a change.
 
     Attributes:
-        settings: what the kernels need: short, sqrt(F*), rate, smallest, floor squared.
-        ring, state: the windows, (*shape, short + long) and (*shape, 4); `directional` looks at them too.
+        settings: (5) of the kernels, see `Setting`.
+        ring, state: the windows, (*shape, short + long), and (*shape, 4), see `Windows`; `directional` uses them too.
     """
 
     def __init__(
@@ -120,13 +137,18 @@ class VariableRateForgetting(NoForgetting):
             raise SatvibError(f'variable-rate forgetting: lambda_min {smallest} is not in (0, 1]')
         self.short, self.long, self.rate, self.smallest = short, long, rate, smallest
         self.threshold = math.sqrt(float(fdtri(short, long, confidence)))
-        self.settings = np.array([short, self.threshold, rate, smallest, floor * floor])
+        self.settings = np.zeros(len(Setting))
+        self.settings[Setting.SHORT] = short
+        self.settings[Setting.THRESHOLD] = self.threshold
+        self.settings[Setting.RATE] = rate
+        self.settings[Setting.SMALLEST] = smallest
+        self.settings[Setting.FLOOR] = floor * floor
 
     def bind(self, estimator: Factors) -> None:
         """Make the windows."""
         # items lie side by side: they are mostly at the same place of their windows
         self.ring = np.moveaxis(np.zeros((self.short + self.long, *estimator.shape)), 0, -1)
-        self.state = np.zeros((*estimator.shape, 4))
+        self.state = np.zeros((*estimator.shape, len(Windows)))
 
     def apply(
         self,
@@ -135,7 +157,7 @@ class VariableRateForgetting(NoForgetting):
         error: Array,
         active: Mask,
     ) -> tuple[Array, Array, Mask]:
-        """Test, and forget as far as the test says."""
+        """Test, and forget as much as the test says."""
         return _factor(error, active, self.settings, self.ring, self.state), error, active
 
     def reset(self, mask: Mask) -> None:

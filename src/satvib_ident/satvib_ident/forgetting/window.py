@@ -9,6 +9,8 @@ The oldest sample is taken out before the new one comes in:
 Memory: N (p + 1) numbers per item. Samples that are not used do not slide the window, so silence leaves it as it is.
 """
 
+from enum import IntEnum
+
 import numpy as np
 from numba import njit
 from satvib_common.arrays import Array, Mask
@@ -22,6 +24,14 @@ from satvib_ident.forgetting.none import ONE, NoForgetting
 from satvib_ident.forgetting.protocol import Factors
 
 ROUNDS = 4.0  # after which the factors are built up again
+
+
+class Window(IntEnum):
+    """Places of the state of the window."""
+
+    HELD = 0  # samples
+    NEXT = 1  # place of the next one
+    ROUNDS = 2  # since the last building up
 
 
 @njit(inline='always')
@@ -66,7 +76,7 @@ def _slide(w, error, active, theta0, P0, ring, state, theta, U, d, work, rest, u
         theta0: (p) estimate before any data.
         P0: (p) diagonal covariance before any data.
         ring: (s, p + 1) samples held, changed.
-        state: (3) samples held, next place, and rounds since the last building up, changed.
+        state: (3) see `Window`, changed.
         theta: (p), changed.
         U: (p, p), changed.
         d: (p), changed.
@@ -83,15 +93,15 @@ def _slide(w, error, active, theta0, P0, ring, state, theta, U, d, work, rest, u
         return
     output = error + dot_of(w, theta)
     size = ring.shape[0]
-    held = int(state[0])
-    place = int(state[1])
+    held = int(state[Window.HELD])
+    place = int(state[Window.NEXT])
     sound = True
     if held == size:
         sound = _remove(ring[place, :p], ring[place, p], theta, U, d, work)
     if held == size and place == 0:
-        state[2] += 1.0
-    if held == size and (not sound or state[2] >= ROUNDS):
-        state[2] = 0.0
+        state[Window.ROUNDS] += 1.0
+    if held == size and (not sound or state[Window.ROUNDS] >= ROUNDS):
+        state[Window.ROUNDS] = 0.0
         for j in range(p):
             theta[j] = theta0[j]
             d[j] = P0[j]
@@ -106,8 +116,8 @@ def _slide(w, error, active, theta0, P0, ring, state, theta, U, d, work, rest, u
     for j in range(p):
         ring[place, j] = w[j]
     ring[place, p] = output
-    state[0] = min(held + 1, size)
-    state[1] = place + 1 if place + 1 < size else 0
+    state[Window.HELD] = min(held + 1, size)
+    state[Window.NEXT] = place + 1 if place + 1 < size else 0
     rest[0] = output - dot_of(w, theta)
 
 
@@ -126,7 +136,7 @@ class FiniteWindow(NoForgetting):
         # items lie side by side: they are mostly at the same place of their windows
         ring = np.zeros((self.size, *estimator.shape, estimator.count + 1))
         self._ring = np.moveaxis(ring, 0, -2)
-        self._state = np.zeros((*estimator.shape, 3))
+        self._state = np.zeros((*estimator.shape, len(Window)))
 
     def apply(
         self, estimator: Factors, w: Array, error: Array, active: Mask

@@ -1,21 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a model may be believed, and why not.
+"""Whether a model is trusted, and why not: the first of the checks that fails.
 
-The checks, in the order in which they are named:
-
-1. enough samples have been used (at least `trust_samples` per parameter);
-2. the estimate is finite;
-3. the model is stable (pole modulus below `trust_pole_modulus`), because the struts are;
-4. the input was persistently exciting of the order n + m, at the last sample that was used;
-5. the information matrix is regular (condition below `trust_condition`);
-6. the frequency response is known in `trust_band` (relative deviation below `trust_deviation`);
-7. what the residual has in common with the input says that the response is right in that band (relative error below
-   `trust_error`), and the input has power enough there to say so;
-8. the residual is white (Q / h below `trust_whiteness`), if asked for.
+What is not known (NaN: an estimator without covariance, a window that is not full) fails no check but the one on poles.
 """
 
 from dataclasses import dataclass, fields, replace
+from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,35 +16,68 @@ from satvib_common.kernels.compile import kernel
 from satvib_ident.parameters import IdentifierParameters
 
 
+class Check(IntEnum):
+    """The checks, in their order.
+
+    SAMPLES: enough samples are used, at least `trust_samples` per parameter.
+    FINITE: the estimate is finite.
+    POLES: the model is stable, as the struts are: pole modulus below `trust_pole_modulus`.
+    EXCITATION: the input was persistently exciting of order n + m at the last sample used.
+    CONDITION: the information matrix is regular: condition below `trust_condition`.
+    DEVIATION: the frequency response is known in `trust_band`: relative deviation below `trust_deviation`.
+    ERROR: the residual, compared with the input, says that the response is right in that band: relative error below
+        `trust_error`. It is infinite where the input has too little power to say so.
+    WHITENESS: the residual is white: Q / h at most `trust_whiteness`, if asked for.
+    """
+
+    PASSED = 0
+    SAMPLES = 1
+    FINITE = 2
+    POLES = 3
+    EXCITATION = 4
+    CONDITION = 5
+    DEVIATION = 6
+    ERROR = 7
+    WHITENESS = 8
+
+
+class Limit(IntEnum):
+    """Places of the limits of the checks."""
+
+    MODULUS = 0
+    ORDER = 1
+    CONDITION = 2
+    DEVIATION = 3
+    ERROR = 4
+    WHITENESS = 5
+
+
 @kernel('void(b1, b1, f8, f8, f8, f8, f8, f8, f8[:], i8[:])', '(),(),(),(),(),(),(),(),(l)->()')
 def _failed(few, finite, modulus, order, condition, deviation, error, colour, limits, out):
-    """Number of the first check that fails, 0 if none.
-
-    What is not known (NaN: an estimator without covariance, a window not filled) fails none but the one on poles.
-    """
+    """Give the first check that fails, or PASSED."""
     if few:
-        out[0] = 1
+        out[0] = Check.SAMPLES
     elif not finite:
-        out[0] = 2
-    elif not modulus < limits[0]:
-        out[0] = 3
-    elif order < limits[1]:
-        out[0] = 4
-    elif condition >= limits[2]:
-        out[0] = 5
-    elif deviation >= limits[3]:
-        out[0] = 6
-    elif error >= limits[4]:
-        out[0] = 7
-    elif colour > limits[5]:
-        out[0] = 8
+        out[0] = Check.FINITE
+    elif not modulus < limits[Limit.MODULUS]:
+        out[0] = Check.POLES
+    elif order < limits[Limit.ORDER]:
+        out[0] = Check.EXCITATION
+    elif condition >= limits[Limit.CONDITION]:
+        out[0] = Check.CONDITION
+    elif deviation >= limits[Limit.DEVIATION]:
+        out[0] = Check.DEVIATION
+    elif error >= limits[Limit.ERROR]:
+        out[0] = Check.ERROR
+    elif colour > limits[Limit.WHITENESS]:
+        out[0] = Check.WHITENESS
     else:
-        out[0] = 0
+        out[0] = Check.PASSED
 
 
-@dataclass(frozen=True, eq=False)
-class Verdict:
-    """What was measured, arrays of one shape, and which check failed first (0: none)."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trust:
+    """What was measured, arrays of one shape, and which check failed first (`Check`)."""
 
     parameters: IdentifierParameters
     updates: Array
@@ -69,11 +93,11 @@ class Verdict:
 
     @property
     def converged(self) -> Mask:
-        """The model may be believed, (shape)."""
-        return self.failed == 0
+        """The model is trusted, (shape)."""
+        return self.failed == Check.PASSED
 
-    def renewed(self, fresh: 'Verdict', mask: Mask) -> 'Verdict':
-        """Give the items of `fresh` where `mask` (shape) holds, and of this verdict elsewhere."""
+    def renewed(self, fresh: 'Trust', mask: Mask) -> 'Trust':
+        """Give the items of `fresh` where `mask` (shape) holds, and the present ones elsewhere."""
         if mask.all():
             return fresh
         names = (f.name for f in fields(self) if f.name != 'parameters')
@@ -81,42 +105,40 @@ class Verdict:
         return replace(fresh, **merged)
 
     def reason(self, index: tuple[int, ...] = ()) -> str:
-        """Why the model of one item may not be believed; '' when it may."""
+        """Why the model of one item is not trusted; '' when it is."""
         p = self.parameters
-        match int(self.failed[index]):
-            case 1:
+        low, high = p.trust_band
+        match Check(int(self.failed[index])):
+            case Check.SAMPLES:
                 return f'{self.updates[index]:.0f} samples used of {p.trust_samples * p.count}'
-            case 2:
+            case Check.FINITE:
                 return 'the estimate is not finite'
-            case 3:
+            case Check.POLES:
                 return f'unstable: pole modulus {self.pole_modulus[index]:.3f}'
-            case 4:
+            case Check.EXCITATION:
                 return (
                     f'the input excites order {self.excitation_order[index]:.0f}, '
                     f'{p.count} parameters need {p.count}'
                 )
-            case 5:
+            case Check.CONDITION:
                 return f'ill-conditioned information: {self.information_condition[index]:.1e}'
-            case 6:
-                low, high = p.trust_band
+            case Check.DEVIATION:
                 return (
                     f'response uncertain by {100.0 * self.response_deviation[index]:.0f} % '
                     f'between {low:g} and {high:g} Hz, {100.0 * p.trust_deviation:g} % allowed'
                 )
-            case 7 if not np.isfinite(self.model_error[index]):
-                low, high = p.trust_band
+            case Check.ERROR if not np.isfinite(self.model_error[index]):
                 return (
                     f'too little input between {low:g} and {high:g} Hz for its noise: the response '
                     'there may be anything'
                 )
-            case 7:
-                low, high = p.trust_band
+            case Check.ERROR:
                 return (
                     f'the residual still answers to the input: response off by '
                     f'{100.0 * self.model_error[index]:.0f} % between {low:g} and {high:g} Hz, '
                     f'{100.0 * p.trust_error:g} % allowed'
                 )
-            case 8:
+            case Check.WHITENESS:
                 return f'residual not white: Q/h {self.whiteness[index]:.1f}'
             case _:
                 return ''
@@ -132,6 +154,7 @@ class Verdict:
 
 def judge(
     parameters: IdentifierParameters,
+    *,
     updates: Array,
     theta: Array,
     pole_modulus: Array,
@@ -140,19 +163,32 @@ def judge(
     response_deviation: Array,
     model_error: Array,
     whiteness: Array,
-) -> Verdict:
+) -> Trust:
     """Run the checks on arrays of one shape (theta: (*shape, p))."""
     p = parameters
     finite = np.asarray(np.logical_and.reduce(np.isfinite(theta), axis=-1))
     eigenvalue, condition = information
+    limits = np.zeros(len(Limit))
+    limits[Limit.MODULUS] = p.trust_pole_modulus
+    limits[Limit.ORDER] = p.count
+    limits[Limit.CONDITION] = p.trust_condition
+    limits[Limit.DEVIATION] = p.trust_deviation
+    limits[Limit.ERROR] = p.trust_error
+    limits[Limit.WHITENESS] = p.trust_whiteness or np.inf
     failed = _failed(
         updates < p.trust_samples * p.count, finite, pole_modulus, excitation_order, condition,
-        response_deviation, model_error, whiteness, np.array([
-            p.trust_pole_modulus, p.count, p.trust_condition, p.trust_deviation, p.trust_error,
-            p.trust_whiteness or np.inf,
-        ]),
+        response_deviation, model_error, whiteness, limits,
     )  # fmt: skip
-    return Verdict(
-        p, updates, finite, pole_modulus, excitation_order, eigenvalue, condition,
-        response_deviation, model_error, whiteness, np.asarray(failed),
-    )  # fmt: skip
+    return Trust(
+        parameters=p,
+        updates=updates,
+        finite=finite,
+        pole_modulus=pole_modulus,
+        excitation_order=excitation_order,
+        information_eigenvalue=eigenvalue,
+        information_condition=condition,
+        response_deviation=response_deviation,
+        model_error=model_error,
+        whiteness=whiteness,
+        failed=np.asarray(failed),
+    )

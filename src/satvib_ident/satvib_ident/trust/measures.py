@@ -18,24 +18,19 @@ from numba import njit
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
 
+from satvib_ident.trust.recent import Recent, RecentSamples, latest, move_on, put
+
 # What orthogonalization leaves below this share of the power is rounding; 1 Hz and 2 Hz sines at 1 kHz leave 2e-13.
 REST = 1e-24
 
 
 @kernel('void(f8, b1, f8[:], f8[:], f8[:])', '(),(),(v),(s)->()', writable=('ring', 'state'))
 def _push(value, active, ring, state, held):
-    """Put a value into a ring that holds everything twice, so that the window always lies in one piece.
-
-    `state` is the number held and the next place.
-    """
+    """Put a value into a ring where `active` holds."""
     if active:
-        size = ring.shape[0] // 2
-        place = int(state[1])
-        ring[place] = value
-        ring[place + size] = value
-        state[0] = min(state[0] + 1.0, size)
-        state[1] = (place + 1) % size
-    held[0] = state[0]
+        put(value, ring, state)
+        move_on(ring.shape[0] // 2, state)
+    held[0] = state[Recent.HELD]
 
 
 @njit
@@ -52,14 +47,12 @@ def _products(x, first, sums):
 
 @kernel('void(f8[:], f8[:], f8, f8[:])', '(v),(s),()->()')
 def _order(ring, state, most, out):
-    size = ring.shape[0] // 2
-    held = int(state[0])
+    held = int(state[Recent.HELD])
     limit = min(int(most), held // 2)
     out[0] = 0.0
     if limit == 0:
         return
-    start = int(state[1]) + size - held
-    x = ring[start : start + held]
+    x = latest(ring, state)
     rows = held - limit + 1
     columns = np.empty((limit, rows))
     power = 0.0
@@ -90,14 +83,12 @@ def _order(ring, state, most, out):
 
 @kernel('void(f8[:], f8[:], f8[:], f8[:], f8[:])', '(v),(s),(l)->(l),()')
 def _whiteness(ring, state, like, sums, out):
-    size = ring.shape[0] // 2
-    held = int(state[0])
+    held = int(state[Recent.HELD])
     lags = like.shape[0] - 1
     out[0] = np.nan
     if held < 3 * lags:
         return
-    start = int(state[1]) + size - held
-    x = ring[start : start + held]
+    x = latest(ring, state)
     _products(x, lags, sums)
     for k in range(lags):  # the first samples have fewer lags
         for j in range(k + 1):
@@ -111,7 +102,7 @@ def _whiteness(ring, state, like, sums, out):
     out[0] = held * (held + 2.0) * q / lags
 
 
-class RecentSignal:
+class RecentSignal(RecentSamples):
     """The last `window` values of a signal, per item of `shape`.
 
     Args:
@@ -120,16 +111,12 @@ class RecentSignal:
     """
 
     def __init__(self, window: int, shape: tuple[int, ...] = ()) -> None:
+        super().__init__(shape)
         self._ring = np.zeros((*shape, 2 * window))
-        self._state = np.zeros((*shape, 2))
 
     def push(self, value: Array, active: Mask | bool = True) -> None:
         """Take a value (shape) where `active` (shape) holds; finite there."""
         _push(value, active, self._ring, self._state)
-
-    def clear(self, mask: Mask | bool = True) -> None:
-        """Empty the window where `mask` (shape) holds."""
-        self._state[...] = np.where(np.asarray(mask)[..., None], 0.0, self._state)
 
     def excitation_order(self, limit: int) -> Array:
         """Order of persistent excitation, (shape); no more than `limit`, nor than half the samples held."""

@@ -27,6 +27,8 @@ import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
 
+from satvib_ident.trust.recent import Recent, RecentSamples, latest, move_on, put
+
 RIDGE = 1e-3
 HIDDEN = 0.5  # share of |G|^2 that noise may hide
 
@@ -35,32 +37,25 @@ HIDDEN = 0.5  # share of |G|^2 that noise may hide
     'void(f8, f8, b1, f8[:,:], f8[:], f8[:])', '(),(),(),(t,v),(s)->()', writable=('ring', 'state')
 )
 def _push(y, u, active, ring, state, held):
-    """Put a pair into a ring that holds everything twice; `state` is the number held and the next place."""
+    """Put a pair into the rings of y and u where `active` holds."""
     if active:
-        size = ring.shape[1] // 2
-        place = int(state[1])
-        ring[0, place] = y
-        ring[0, place + size] = y
-        ring[1, place] = u
-        ring[1, place + size] = u
-        state[0] = min(state[0] + 1.0, size)
-        state[1] = (place + 1) % size
-    held[0] = state[0]
+        put(y, ring[0], state)
+        put(u, ring[1], state)
+        move_on(ring.shape[1] // 2, state)
+    held[0] = state[Recent.HELD]
 
 
 @kernel(
-    'void(f8[:], f8[:,:], f8[:], f8[:,:], f8[:,:], f8[:], f8[:,:], f8[:,:], f8[:], f8[:])',
-    '(p),(t,v),(s),(f,l),(f,l),(q),(l,l),(t,l)->(l),()',
+    'void(f8[:], f8[:,:], f8[:], f8[:,:], f8[:,:], i8, i8, f8[:,:], f8[:,:], f8[:], f8[:])',
+    '(p),(t,v),(s),(f,l),(f,l),(),(),(l,l),(t,l)->(l),()',
     writable=('R',),
 )
-def _error(theta, ring, state, cosine, sine, orders, R, work, h, out):
-    n, m = int(orders[0]), int(orders[1])
+def _error(theta, ring, state, cosine, sine, n, m, R, work, h, out):
+    """Largest |H| / |B| over the frequencies of one item, for a model of n poles and m coefficients."""
     lags = R.shape[0]
-    size = ring.shape[1] // 2
-    held = int(state[0])
-    start = int(state[1]) + size - held
-    y = ring[0, start : start + held]
-    u = ring[1, start : start + held]
+    held = int(state[Recent.HELD])
+    y = latest(ring[0], state)
+    u = latest(ring[1], state)
     first = max(n, max(m, lags) - 1)
     out[0] = np.nan
     for i in range(lags):
@@ -139,7 +134,7 @@ def _error(theta, ring, state, cosine, sine, orders, R, work, h, out):
     out[0] = np.sqrt(top)
 
 
-class ModelError:
+class ModelError(RecentSamples):
     """The recent samples, and the measure for one band.
 
     Args:
@@ -165,18 +160,14 @@ class ModelError:
         self._lags = lags
         turns = 2.0 * math.pi * dt * frequencies[:, None] * np.arange(self._lags)
         self._cosine, self._sine = np.cos(turns), np.sin(turns)
-        self._orders = np.array([poles, coefficients], dtype=float)
+        super().__init__(shape)
+        self._poles, self._coefficients = poles, coefficients
         self._ring = np.zeros((*shape, 2, 2 * window))
-        self._state = np.zeros((*shape, 2))
         self._shape = shape
 
     def push(self, y: Array, u: Array, active: Mask) -> None:
         """Take y(k) and u(k - d), both (shape) and finite where `active` (shape) holds."""
         _push(y, u, active, self._ring, self._state)
-
-    def clear(self, mask: Mask | bool = True) -> None:
-        """Empty the window where `mask` (shape) holds."""
-        self._state[...] = np.where(np.asarray(mask)[..., None], 0.0, self._state)
 
     def __call__(self, theta: Array) -> Array:
         """Largest |G0 - G| / |G| in the band, (shape), of theta (*shape, p).
@@ -185,7 +176,7 @@ class ModelError:
         """
         work = np.zeros((*self._shape, self._lags, self._lags))
         _, worst = _error(
-            theta, self._ring, self._state, self._cosine, self._sine, self._orders, work,
-            np.zeros((2, self._lags)),
+            theta, self._ring, self._state, self._cosine, self._sine, self._poles,
+            self._coefficients, work, np.zeros((2, self._lags)),
         )  # fmt: skip
         return np.asarray(worst)

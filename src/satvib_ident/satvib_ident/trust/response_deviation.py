@@ -20,12 +20,11 @@ from satvib_common.kernels.compile import kernel
 
 
 @kernel(
-    'void(f8[:], f8[:,:], f8[:,:], f8[:,:], f8[:], f8[:], f8[:])',
-    '(p),(p,p),(f,l),(f,l),(q)->(f),()',
+    'void(f8[:], f8[:,:], f8[:,:], f8[:,:], i8, i8, f8[:], f8[:])',
+    '(p),(p,p),(f,l),(f,l),(),()->(f),()',
 )
-def _deviation(theta, covariance, cosine, sine, orders, each, out):
-    n = int(orders[0])
-    m = int(orders[1])
+def _deviation(theta, covariance, cosine, sine, n, m, each, out):
+    """Deviation at each frequency, and the largest, of a model of n poles and m coefficients."""
     worst = 0.0
     for g in range(cosine.shape[0]):
         # A and B at z = exp(j w): z^-i = cos - j sin
@@ -97,9 +96,11 @@ class ResponseDeviation:
         lags = max(poles + 1, coefficients)
         turns = 2.0 * math.pi * dt * self.frequencies[:, None] * np.arange(lags)
         self._cosine, self._sine = np.cos(turns), np.sin(turns)
-        self._orders = np.array([poles, coefficients], dtype=float)
+        self._poles, self._coefficients = poles, coefficients
 
     def __call__(self, theta: Array, covariance: Array) -> Array:
         """Largest relative deviation in the band, (...), of theta (..., p) with covariance (..., p, p)."""
-        _, worst = _deviation(theta, covariance, self._cosine, self._sine, self._orders)
+        _, worst = _deviation(
+            theta, covariance, self._cosine, self._sine, self._poles, self._coefficients
+        )
         return np.asarray(worst)

@@ -21,7 +21,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 from satvib_common.kernels.dot import dot, dot_of
 
-from satvib_ident.estimators.least_squares import REFUSED, UPDATES, RecursiveLeastSquares
+from satvib_ident.estimators.least_squares import RecursiveLeastSquares
 
 
 @kernel('void(f8[:], f8, f8, b1, f8[:], b1[:])', '(p),(),(),(),(p)->()', writable=('theta',))
@@ -70,11 +70,10 @@ class GradientEstimator(RecursiveLeastSquares):
         error: Array = y - dot(w, self.theta)
         use = np.isfinite(error) & active
         self.used = np.asarray(_descend(w, np.where(use, error, 0.0), self.step, use, self.theta))
-        # a mean over the last hundred samples or so: nothing else tells the size of the noise here
+        # a mean over about the last hundred samples: the only measure of the noise here
         fresh = self._squares + 0.01 * (error * error - self._squares)
         self._squares = np.where(self.used, fresh, self._squares)
-        self.tally[..., UPDATES] += self.used
-        self.tally[..., REFUSED] += use & ~self.used
+        self.count_samples(self.used, use & ~self.used)
         return error
 
     @property
@@ -92,6 +91,6 @@ class GradientEstimator(RecursiveLeastSquares):
         return np.full(self.shape, np.nan), np.full(self.shape, np.nan)
 
     def reset(self, mask: Mask | bool = True) -> None:
-        """Begin anew where `mask` (shape) holds."""
+        """Start again where `mask` (shape) holds."""
         super().reset(mask)
         self._squares = np.where(mask, 0.0, self._squares)
