@@ -12,7 +12,6 @@ sample rate.
 
 import argparse
 import math
-import sys
 from pathlib import Path
 
 import matplotlib as mpl
@@ -29,11 +28,9 @@ from satvib_control.model_analysis.transfer import model_polynomials, respond
 from satvib_control.parameters import ControllerParameters
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares
 from satvib_ident.models.iir_model import IirModel
+from satvib_studies.benchmark import active_suspension as bench
+from satvib_studies.benchmark import active_suspension_protocol as asp
 from satvib_studies.sweep.tables import fill
-
-sys.path.insert(0, str(Path(__file__).parent))
-import active_suspension as bench
-import active_suspension_protocol as asp
 
 TRIALS, SECONDS, LATE = 24, 8.0, 6.0
 

@@ -16,7 +16,6 @@ import math
 import warnings
 from collections.abc import Callable
 
-import cma
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_plant_sim.disturbance import make_disturbance
@@ -83,6 +82,8 @@ def evolution(cost: Budget, low: Array, high: Array, seed: int, budget: int) -> 
 
 
 def cma_es(cost: Budget, low: Array, high: Array, seed: int) -> None:
+    import cma  # from requirements/benchmarks.lock; nothing else needs it
+
     n, width, population = len(low), high - low, 4 + int(3 * math.log(len(low)))
     draw = np.random.default_rng([seed, 1])
     run = 0

@@ -5,15 +5,10 @@
 The benchmark itself is benchmarks/active_suspension.py; its tables are in docs/narrowband.md.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[5] / 'benchmarks'))
-import active_suspension as bench
-import active_suspension_protocol as asp
+from satvib_studies.benchmark import active_suspension as bench
+from satvib_studies.benchmark import active_suspension_protocol as asp
 
 pytestmark = pytest.mark.skipif(
     not asp.data_path().exists(), reason=f'no benchmark data at {asp.data_path()}'

@@ -28,7 +28,7 @@ LIMITS_MA = {1: 6.0, 2: 7.0, 3: 9.0}
 def data_path() -> Path:
     """Where the benchmark's data are expected: beside the project."""
     return (
-        Path(__file__).resolve().parents[2] / 'shared/data/active_suspension/active_suspension.npz'
+        Path(__file__).resolve().parents[5] / 'shared/data/active_suspension/active_suspension.npz'
     )
 
 
@@ -48,7 +48,7 @@ class Plant:
         return np.asarray(np.polyval(self.b[::-1], z) / np.polyval(self.a[::-1], z))
 
     def open_loop(self, disturbance: Array, noise: Array) -> Array:
-        """y without control."""
+        """Y without control."""
         clipped = np.clip(disturbance, -LIMIT, LIMIT)
         return np.asarray(lfilter(self.primary_b, self.primary_a, clipped) + noise)
 
@@ -68,7 +68,7 @@ def load_plant() -> Plant:
 
 @dataclass(frozen=True)
 class Case:
-    """What shakes: frequencies by sample, one track per tone."""
+    """A disturbance: frequencies by sample, one track per tone."""
 
     name: str
     level: int

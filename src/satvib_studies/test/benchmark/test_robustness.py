@@ -6,44 +6,30 @@ Truth: the definition there. A trial is unstable when a fault is latched or the 
 1.5 times that without control; none may be. On `clean_3dof` no trial may be worse than open loop in truth, either.
 """
 
-import importlib.util
-import sys
-from pathlib import Path
-
 import pytest
+from satvib_studies.benchmark import robustness
 
-PATH = Path(__file__).resolve().parents[3] / 'benchmarks' / 'robustness.py'
 TRIALS = 10
-
-
-@pytest.fixture(scope='module')
-def robustness():
-    """The benchmark as a module."""
-    spec = importlib.util.spec_from_file_location('robustness', PATH)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules['robustness'] = module  # its dataclass looks there
-    spec.loader.exec_module(module)
-    return module
 
 
 @pytest.mark.parametrize(
     'law', ['velocity_feedback', 'model_reference', 'feedforward', 'narrowband']
 )
-def test_with_the_model_of_another_rig(robustness, law):
+def test_with_the_model_of_another_rig(law):
     """Nothing unstable, nothing worse."""
     outcome = robustness.run('clean_3dof', law, 'nominal', TRIALS)
     assert not outcome.unstable.any(), outcome.gain
     assert outcome.gain.max() < 0.0
 
 
-def test_a_canceller_whose_model_is_out_by_half_a_turn_backs_off(robustness):
+def test_a_canceller_whose_model_is_out_by_half_a_turn_backs_off():
     """A lightly damped mode that moved across the tone; drawn rig 33 is one of the worst of the first 60."""
     outcome = robustness.run('soft_3dof', 'feedforward', 'nominal', 1, first=33)
     assert outcome.backed_off.all()
     assert not outcome.unstable.any(), outcome.gain
 
 
-def test_a_feedback_canceller_whose_model_is_out_by_half_a_turn_gives_up(robustness):
+def test_a_feedback_canceller_whose_model_is_out_by_half_a_turn_gives_up():
     """Struts that shake each other are no proof of a grown disturbance: bounded, and 0 V in the end. 25 drawn rigs."""
     outcome = robustness.run('soft_3dof', 'narrowband', 'nominal', 25)
     assert outcome.backed_off.mean() > 0.3
