@@ -21,6 +21,8 @@ from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 
+from satvib_plant_sim.disturbance.window import Window
+
 Transfer = Callable[[float], float]
 
 
@@ -42,13 +44,22 @@ class Clock:
         """Fine index nearest to t (s); None is never."""
         return np.inf if t is None else float(round(t / self.period))
 
+    def window(self, settings: 'Disturbance') -> list[float]:
+        """Give the times of a disturbance (3), `Window`."""
+        times = {
+            Window.START: self.index(settings.start),
+            Window.STOP: self.index(settings.stop),
+            Window.PERIOD: self.period,
+        }
+        return [times[slot] for slot in Window]
+
 
 @dataclass(frozen=True, kw_only=True)
 class Disturbance(Schema):
     """Base of the kinds; each is a sibling file.
 
-    Subclasses give `values()`, the numbers of their kernel, and `KERNEL`, which takes
-    (start, stop, period, *values) (p), first (), grid (f) and gives (f).
+    Subclasses give `values()`, the numbers of their kernel, and `KERNEL`, which takes the times (w), `Window`, the
+    values (p), first () and grid (f), and gives the disturbance (f) at the fine indices first + grid.
     """
 
     kind: str = param(description='kind')
@@ -71,7 +82,7 @@ class Disturbance(Schema):
         """Give the disturbances that add up to this one."""
         return (self,)
 
-    def values(self, transfer: Transfer) -> list[float]:
+    def values(self, transfer: Transfer) -> Sequence[float]:
         """Give the kernel's numbers; `transfer(f)` is |T| at f Hz (1 for a force)."""
         raise NotImplementedError
 
@@ -87,23 +98,21 @@ class Disturbance(Schema):
 
         Each row's seed is a tuple, the beginning of what `default_rng` takes.
         """
-        rows = [
-            [clock.index(s.start), clock.index(s.stop), clock.period, *s.values(t)]
-            for s, t in zip(settings, transfers, strict=True)
-        ]
+        windows = np.array([clock.window(s) for s in settings])
+        rows = [list(s.values(t)) for s, t in zip(settings, transfers, strict=True)]
         width = max(len(row) for row in rows)
-        table = np.array([row + [0.0] * (width - len(row)) for row in rows])
-        return KernelBank(cls.KERNEL, table)
+        values = np.array([row + [0.0] * (width - len(row)) for row in rows])
+        return KernelBank(cls.KERNEL, windows, values)
 
 
 class KernelBank:
     """Evaluates a kernel over its rows."""
 
-    def __init__(self, function: Any, table: Array) -> None:
+    def __init__(self, function: Any, windows: Array, values: Array) -> None:
         self._function = function
-        self._table = table
+        self._windows, self._values = windows, values
 
     def evaluate(self, first: int, grid: Array) -> Array:
         """Give the values (rows, len(grid)) at the fine indices first + grid."""
-        result: Array = self._function(self._table, float(first), grid)
+        result: Array = self._function(self._windows, self._values, float(first), grid)
         return result

@@ -11,6 +11,7 @@ trial: two blocks, 16 to 64 kB, and the filter.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 from satvib_common.arrays import Array
@@ -20,24 +21,32 @@ from satvib_common.schema import param
 from scipy.signal import fftconvolve, firwin
 
 from satvib_plant_sim.disturbance.base import Bank, Clock, Disturbance, Transfer
+from satvib_plant_sim.disturbance.window import Window, acts
 
 STOP_BAND = 60.0
 REACH = 8  # knots on either side of the interpolation
 
 
-@kernel('void(f8[:],f8[:],f8[:,:],f8,f8[:],f8[:])', '(p),(b),(m,w),(),(f)->(f)')
-def random_values(p, knots, weights, first, grid, out):
-    """p: start, stop, fine steps per knot, index of knots[0]."""
+class KnotSlot(IntEnum):
+    """Where the knots of a row stand."""
+
+    STEPS = 0  # fine steps per knot
+    FIRST = 1  # index of the first knot that is held
+
+
+@kernel('void(f8[:],f8[:],f8[:],f8[:,:],f8,f8[:],f8[:])', '(t),(p),(b),(m,w),(),(f)->(f)')
+def random_values(window, p, knots, weights, first, grid, out):
+    """Interpolate between knots; p is `KnotSlot`."""
     width = weights.shape[1]
-    per_knot = int(p[2])
+    per_knot = int(p[KnotSlot.STEPS])
     for j in range(grid.shape[0]):
         n = first + grid[j]
         total = 0.0
-        if p[0] <= n < p[1]:
-            since = int(n - p[0])
+        if acts(window, n):
+            since = int(n - window[Window.START])
             knot = since // per_knot
             phase = since - knot * per_knot
-            at = knot - int(p[3])
+            at = knot - int(p[KnotSlot.FIRST])
             for i in range(width):
                 total += weights[phase, i] * knots[at + i]
         out[j] = total
@@ -94,7 +103,7 @@ class _Row:
         self.taps: Array = band * (settings.rms / np.sqrt(np.sum(band * band)))
         self.block = max(1 << (taps - 1).bit_length(), 1024)
         self.seed = seed
-        self.start, self.stop = clock.index(settings.start), clock.index(settings.stop)
+        self.start, self.window = clock.index(settings.start), clock.window(settings)
         self.weights = _interpolation(self.per_knot)
         self.at = -1
 
@@ -141,13 +150,17 @@ class _RandomBank:
         self._weights = np.zeros((len(rows), phases, 2 * REACH))
         for i, row in enumerate(rows):
             self._weights[i, : row.per_knot] = row.weights
-        self._table = np.array([[r.start, r.stop, float(r.per_knot), 0.0] for r in rows])
+        self._windows = np.array([row.window for row in rows])
+        self._places = np.zeros((len(rows), len(KnotSlot)))
+        self._places[:, KnotSlot.STEPS] = [row.per_knot for row in rows]
 
     def evaluate(self, first: int, grid: Array) -> Array:
         """Give the values (rows, len(grid)) at the fine indices first + grid."""
         for i, row in enumerate(self._rows):
             if row.start <= first + len(grid):
                 row.cover(first, len(grid), self._knots[i])
-                self._table[i, 3] = float(row.at * row.block)
-        result: Array = random_values(self._table, self._knots, self._weights, float(first), grid)
+                self._places[i, KnotSlot.FIRST] = float(row.at * row.block)
+        result: Array = random_values(
+            self._windows, self._places, self._knots, self._weights, float(first), grid
+        )
         return result

@@ -12,29 +12,52 @@ plate's acceleration; a ramp is not.
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import Kernel, kernel
 from satvib_common.schema import param
 
 from satvib_plant_sim.disturbance.base import Disturbance, Transfer
+from satvib_plant_sim.disturbance.window import acts, elapsed
 
 
-@kernel('void(f8[:],f8,f8[:],f8[:])', '(p),(),(f)->(f)')
-def wheel_values(p, first, grid, out):
-    """p: start, stop, period, W_0, W_1 (rad/s), ramp start, ramp time; then C, h, phase of each harmonic."""
+class WheelSpeed(NamedTuple):
+    """Speed at the start and after the ramp, rad/s; when the ramp begins and how long it lasts, s."""
+
+    begin: float
+    end: float
+    ramp_start: float
+    ramp_time: float
+
+
+class Harmonic(NamedTuple):
+    """C in m/s^2 (N) per (rad/s)^2, h, and the phase in rad."""
+
+    coefficient: float
+    multiple: float
+    phase: float
+
+
+@kernel('void(f8[:],f8[:],f8,f8[:],f8[:])', '(w),(p),(),(f)->(f)')
+def wheel_values(window, p, first, grid, out):
+    """Add up the harmonics of a wheel; p holds `WheelSpeed`, then one `Harmonic` after the other."""
+    w = WheelSpeed(p[0], p[1], p[2], p[3])
     for j in range(grid.shape[0]):
         n = first + grid[j]
         total = 0.0
-        if p[0] <= n < p[1]:
-            t = (n - p[0]) * p[2]
-            since = min(max(t - p[5], 0.0), p[6])
-            share = since / p[6] if p[6] > 0.0 else 0.0
-            speed = p[3] + (p[4] - p[3]) * share
-            theta = p[3] * t + (p[4] - p[3]) * (0.5 * since * share + max(t - p[5] - p[6], 0.0))
-            for i in range(7, p.shape[0], 3):
-                total += p[i] * speed * speed * math.sin(p[i + 1] * theta + p[i + 2])
+        if acts(window, n):
+            t = elapsed(window, n)
+            since = min(max(t - w.ramp_start, 0.0), w.ramp_time)
+            share = since / w.ramp_time if w.ramp_time > 0.0 else 0.0
+            change = w.end - w.begin
+            speed = w.begin + change * share
+            after = max(t - w.ramp_start - w.ramp_time, 0.0)
+            theta = w.begin * t + change * (0.5 * since * share + after)
+            for i in range(4, p.shape[0], 3):
+                harmonic = Harmonic(p[i], p[i + 1], p[i + 2])
+                angle = harmonic.multiple * theta + harmonic.phase
+                total += harmonic.coefficient * speed * speed * math.sin(angle)
         out[j] = total
 
 
@@ -71,12 +94,19 @@ class ReactionWheel(Disturbance):
         return tuple(h * self.speed for h in self.harmonics)
 
     def values(self, transfer: Transfer) -> list[float]:
-        """Speeds and ramp, then C, h, phase of each harmonic."""
+        """The numbers of the speed, then those of each harmonic."""
         end = self.speed if self.end_speed is None else self.end_speed
         turn = 2.0 * math.pi
-        found = [turn * self.speed, turn * end, self.ramp_start, self.ramp_time]
+        speed = WheelSpeed(
+            begin=turn * self.speed,
+            end=turn * end,
+            ramp_start=self.ramp_start,
+            ramp_time=self.ramp_time,
+        )
+        found = list(speed)
         steady = self.tones()
         phases = self.phases or (0.0,) * len(self.harmonics)
         for i, (c, h, p) in enumerate(zip(self.coefficients, self.harmonics, phases, strict=True)):
-            found += [c / transfer(steady[i]) if steady else c, h, math.radians(p)]
+            coefficient = c / transfer(steady[i]) if steady else c
+            found += Harmonic(coefficient=coefficient, multiple=h, phase=math.radians(p))
         return found

@@ -9,39 +9,80 @@ burst:     a exp(-t / tau) sin(2 pi f t)
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from enum import IntEnum
+from typing import ClassVar, NamedTuple
 
+from numba import njit
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import Kernel, kernel
 from satvib_common.schema import param
 
 from satvib_plant_sim.disturbance.base import Disturbance, Transfer
+from satvib_plant_sim.disturbance.window import acts, elapsed
 
-PULSE, TRAPEZOID, BURST = 0.0, 1.0, 2.0
+
+class ShapeKind(IntEnum):
+    """Which shape."""
+
+    PULSE = 0
+    TRAPEZOID = 1
+    BURST = 2
 
 
-@kernel('void(f8[:],f8,f8[:],f8[:])', '(p),(),(f)->(f)')
-def shape_values(p, first, grid, out):
-    """p: start, stop, period; repetition in s (0: once), which shape, amplitude, then three numbers."""
+class ShapeValues(NamedTuple):
+    """Numbers of a shape: repetition in s (0: once), `ShapeKind`, height in m/s^2 (N), then its own numbers.
+
+    Attributes:
+        a, b, c: pulse: duration; trapezoid: rise, hold, fall; burst: time constant; s. Burst, b: frequency, Hz.
+    """
+
+    repetition: float
+    kind: float
+    height: float
+    a: float
+    b: float = 0.0
+    c: float = 0.0
+
+
+@njit
+def _pulse(s, t):
+    return s.height * math.sin(math.pi * t / s.a) if t < s.a else 0.0
+
+
+@njit
+def _trapezoid(s, t):
+    if t < s.a:
+        return s.height * t / s.a
+    if t < s.a + s.b:
+        return s.height
+    if t < s.a + s.b + s.c:
+        return s.height * (s.a + s.b + s.c - t) / s.c
+    return 0.0
+
+
+@njit
+def _burst(s, t):
+    return s.height * math.exp(-t / s.a) * math.sin(2.0 * math.pi * s.b * t)
+
+
+@kernel('void(f8[:],f8[:],f8,f8[:],f8[:])', '(w),(p),(),(f)->(f)')
+def shape_values(window, p, first, grid, out):
+    """Give a shape; p is `ShapeValues`."""
+    s = ShapeValues(p[0], p[1], p[2], p[3], p[4], p[5])
+    kind = int(s.kind)
     for j in range(grid.shape[0]):
         n = first + grid[j]
         out[j] = 0.0
-        if p[0] <= n < p[1]:
-            t = (n - p[0]) * p[2]
-            if p[3] > 0.0:
-                t -= p[3] * math.floor(t / p[3] + 1e-9)
-            if p[4] == PULSE:
-                if t < p[6]:
-                    out[j] = p[5] * math.sin(math.pi * t / p[6])
-            elif p[4] == TRAPEZOID:
-                if t < p[6]:
-                    out[j] = p[5] * t / p[6]
-                elif t < p[6] + p[7]:
-                    out[j] = p[5]
-                elif t < p[6] + p[7] + p[8]:
-                    out[j] = p[5] * (p[6] + p[7] + p[8] - t) / p[8]
+        if acts(window, n):
+            t = elapsed(window, n)
+            if s.repetition > 0.0:
+                t -= s.repetition * math.floor(t / s.repetition + 1e-9)
+            if kind == ShapeKind.PULSE:
+                out[j] = _pulse(s, t)
+            elif kind == ShapeKind.TRAPEZOID:
+                out[j] = _trapezoid(s, t)
             else:
-                out[j] = p[5] * math.exp(-t / p[6]) * math.sin(2.0 * math.pi * p[7] * t)
+                out[j] = _burst(s, t)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,10 +98,6 @@ class Shape(Disturbance):
         """Give the time a shape takes, s."""
         return 0.0
 
-    def numbers(self) -> list[float]:
-        """Give which shape, its amplitude and its own numbers."""
-        raise NotImplementedError
-
     def check(self) -> None:
         """Refuse a repetition before the end."""
         super().check()
@@ -68,10 +105,6 @@ class Shape(Disturbance):
             raise SatvibError(
                 f'period: {self.period} s is shorter than the shape, {self.length()} s'
             )
-
-    def values(self, transfer: Transfer) -> list[float]:  # noqa: ARG002 - no fixed frequency
-        """Repetition in s, then `numbers`."""
-        return [self.period or 0.0, *self.numbers()]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,9 +118,9 @@ class Pulse(Shape):
         """Give the duration, s."""
         return self.duration
 
-    def numbers(self) -> list[float]:
-        """Shape, amplitude, duration."""
-        return [PULSE, self.amplitude, self.duration, 0.0, 0.0]
+    def values(self, transfer: Transfer) -> ShapeValues:  # noqa: ARG002 - no fixed frequency
+        """The numbers of the pulse."""
+        return ShapeValues(self.period or 0.0, ShapeKind.PULSE, self.amplitude, a=self.duration)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,9 +136,10 @@ class Trapezoid(Shape):
         """Give the whole time, s."""
         return self.rise + self.hold + self.fall
 
-    def numbers(self) -> list[float]:
-        """Shape, amplitude, rise, hold, fall."""
-        return [TRAPEZOID, self.amplitude, self.rise, self.hold, self.fall]
+    def values(self, transfer: Transfer) -> ShapeValues:  # noqa: ARG002 - no fixed frequency
+        """The numbers of the trapezoid."""
+        times = {'a': self.rise, 'b': self.hold, 'c': self.fall}
+        return ShapeValues(self.period or 0.0, ShapeKind.TRAPEZOID, self.amplitude, **times)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,6 +150,9 @@ class Burst(Shape):
     frequency: float = param(description='of the oscillation', unit='Hz', above=0.0)
     decay: float = param(description='time constant of the decay', unit='s', above=0.0)
 
-    def numbers(self) -> list[float]:
-        """Shape, amplitude, time constant, frequency."""
-        return [BURST, self.amplitude, self.decay, self.frequency, 0.0]
+    def values(self, transfer: Transfer) -> ShapeValues:  # noqa: ARG002 - no fixed frequency
+        """The numbers of the burst."""
+        repetition = self.period or 0.0
+        return ShapeValues(
+            repetition, ShapeKind.BURST, self.amplitude, a=self.decay, b=self.frequency
+        )

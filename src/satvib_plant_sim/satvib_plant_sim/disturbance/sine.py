@@ -4,24 +4,34 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from satvib_common.kernels.compile import Kernel, kernel
 from satvib_common.schema import param
 
 from satvib_plant_sim.disturbance.base import Disturbance, Transfer
+from satvib_plant_sim.disturbance.window import acts, elapsed
 
 
-@kernel('void(f8[:],f8,f8[:],f8[:])', '(p),(),(f)->(f)')
-def sine_values(p, first, grid, out):
-    """p: start, stop, period, then amplitude, rad/s and rad of each tone."""
+class Tone(NamedTuple):
+    """One tone: amplitude in m/s^2 (N), angular frequency in rad/s, phase in rad."""
+
+    amplitude: float
+    speed: float
+    phase: float
+
+
+@kernel('void(f8[:],f8[:],f8,f8[:],f8[:])', '(w),(p),(),(f)->(f)')
+def sine_values(window, p, first, grid, out):
+    """Add up tones; p holds one `Tone` after the other."""
     for j in range(grid.shape[0]):
         n = first + grid[j]
         total = 0.0
-        if p[0] <= n < p[1]:
-            t = (n - p[0]) * p[2]
-            for i in range(3, p.shape[0], 3):
-                total += p[i] * math.sin(p[i + 1] * t + p[i + 2])
+        if acts(window, n):
+            t = elapsed(window, n)
+            for i in range(0, p.shape[0], 3):
+                tone = Tone(p[i], p[i + 1], p[i + 2])
+                total += tone.amplitude * math.sin(tone.speed * t + tone.phase)
         out[j] = total
 
 
@@ -40,10 +50,16 @@ class Sine(Disturbance):
         """Give the frequency."""
         return (self.frequency,)
 
-    def values(self, transfer: Transfer) -> list[float]:
-        """Amplitude, rad/s, rad."""
+    def lines(self, transfer: Transfer) -> list[Tone]:
+        """Give the one tone."""
         return [
-            self.amplitude / transfer(self.frequency),
-            2.0 * math.pi * self.frequency,
-            math.radians(self.phase),
+            Tone(
+                amplitude=self.amplitude / transfer(self.frequency),
+                speed=2.0 * math.pi * self.frequency,
+                phase=math.radians(self.phase),
+            )
         ]
+
+    def values(self, transfer: Transfer) -> list[float]:
+        """The numbers of the tone."""
+        return [number for tone in self.lines(transfer) for number in tone]

@@ -8,30 +8,44 @@ The phase goes on without a jump when the sweep ends.
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import Kernel, kernel
 from satvib_common.schema import param
 
 from satvib_plant_sim.disturbance.base import Disturbance, Transfer
+from satvib_plant_sim.disturbance.window import acts, elapsed
 
 
-@kernel('void(f8[:],f8,f8[:],f8[:])', '(p),(),(f)->(f)')
-def sweep_values(p, first, grid, out):
-    """p: start, stop, period, amplitude, f_0, f_1, D, ln r (0: linear)."""
+class SweepValues(NamedTuple):
+    """Numbers of a sweep: m/s^2 (N), f_0 and f_1 in Hz, D in s, ln r (0: linear)."""
+
+    amplitude: float
+    begin: float
+    end: float
+    duration: float
+    log_ratio: float
+
+
+@kernel('void(f8[:],f8[:],f8,f8[:],f8[:])', '(w),(p),(),(f)->(f)')
+def sweep_values(window, p, first, grid, out):
+    """Give a sweep; p is `SweepValues`."""
+    s = SweepValues(p[0], p[1], p[2], p[3], p[4])
     for j in range(grid.shape[0]):
         n = first + grid[j]
         out[j] = 0.0
-        if p[0] <= n < p[1]:
-            t = (n - p[0]) * p[2]
-            swept = min(t, p[6])
-            if p[7] == 0.0:
-                turns = p[4] * swept + 0.5 * (p[5] - p[4]) * swept * swept / p[6]
+        if acts(window, n):
+            t = elapsed(window, n)
+            swept = min(t, s.duration)
+            if s.log_ratio == 0.0:
+                change = s.end - s.begin
+                turns = s.begin * swept + 0.5 * change * swept * swept / s.duration
             else:
-                turns = p[4] * p[6] / p[7] * (math.exp(p[7] * swept / p[6]) - 1.0)
-            turns += p[5] * (t - swept)
-            out[j] = p[3] * math.sin(2.0 * math.pi * turns)
+                growth = math.exp(s.log_ratio * swept / s.duration) - 1.0
+                turns = s.begin * s.duration / s.log_ratio * growth
+            turns += s.end * (t - swept)
+            out[j] = s.amplitude * math.sin(2.0 * math.pi * turns)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,12 +62,18 @@ class Sweep(Disturbance):
     KERNEL: ClassVar[Kernel] = sweep_values
 
     def check(self) -> None:
-        """Refuse a logarithmic sweep that goes nowhere."""
+        """Refuse a logarithmic sweep without a change of frequency."""
         super().check()
         if self.shape == 'log' and self.frequency == self.end_frequency:
             raise SatvibError('end_frequency: a log sweep needs another one than frequency')
 
-    def values(self, transfer: Transfer) -> list[float]:  # noqa: ARG002 - no fixed frequency
-        """Amplitude, f_0, f_1, D, ln r."""
+    def values(self, transfer: Transfer) -> SweepValues:  # noqa: ARG002 - no fixed frequency
+        """The numbers of the sweep."""
         log = math.log(self.end_frequency / self.frequency) if self.shape == 'log' else 0.0
-        return [self.amplitude, self.frequency, self.end_frequency, self.duration, log]
+        return SweepValues(
+            amplitude=self.amplitude,
+            begin=self.frequency,
+            end=self.end_frequency,
+            duration=self.duration,
+            log_ratio=log,
+        )

@@ -11,7 +11,7 @@ from satvib_common.kernels.compile import Kernel
 from satvib_common.schema import param
 
 from satvib_plant_sim.disturbance.base import Disturbance, Transfer
-from satvib_plant_sim.disturbance.sine import sine_values
+from satvib_plant_sim.disturbance.sine import Tone, sine_values
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,10 +42,14 @@ class Tones(Disturbance):
         """Give the frequencies."""
         return self.frequencies
 
-    def values(self, transfer: Transfer) -> list[float]:
-        """Amplitude, rad/s, rad of each tone."""
+    def lines(self, transfer: Transfer) -> list[Tone]:
+        """Give the tones."""
         phases = self.phases or (0.0,) * len(self.frequencies)
-        found = []
-        for a, f, p in zip(self.amplitudes, self.frequencies, phases, strict=True):
-            found += [a / transfer(f), 2.0 * math.pi * f, math.radians(p)]
-        return found
+        return [
+            Tone(amplitude=a / transfer(f), speed=2.0 * math.pi * f, phase=math.radians(p))
+            for a, f, p in zip(self.amplitudes, self.frequencies, phases, strict=True)
+        ]
+
+    def values(self, transfer: Transfer) -> list[float]:
+        """The numbers of each tone, one after the other."""
+        return [number for tone in self.lines(transfer) for number in tone]

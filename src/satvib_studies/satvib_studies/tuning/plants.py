@@ -65,11 +65,10 @@ def spectrum_of(disturbance: Disturbance, rig: Rig, seed: int, duration: float) 
             rest.append(part)
             continue
         channel = int(part.target == 'payload')
-        numbers = part.values(partial(source_transfer, rig) if channel == 0 else _unity)
-        for amplitude, w in zip(numbers[::3], numbers[1::3], strict=True):
-            f = w / (2.0 * math.pi)
+        for tone in part.lines(partial(source_transfer, rig) if channel == 0 else _unity):
+            f = tone.speed / (2.0 * math.pi)
             if f < half:
-                tones.setdefault(f, np.zeros(2))[channel] += 0.5 * amplitude * amplitude
+                tones.setdefault(f, np.zeros(2))[channel] += 0.5 * tone.amplitude * tone.amplitude
     lines = _SPACING * np.arange(1, math.ceil(half / _SPACING - 1e-9))
     extra = [np.geomspace(0.01, 3.0, 60), np.array(sorted(tones))]
     extra += [np.geomspace(0.7 * f, min(1.4 * f, 0.99 * half), 40) for f in modal_frequencies(rig)]
