@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.arrays import Array, Mask
-from satvib_common.kernels.dot import dot
+from satvib_common.kernels.ordered_dot import dot
 from satvib_common.phases import Phase
 from satvib_common.sequence import Arrival, SequenceTracker
 from satvib_common.signals.calibration import BiasCalibration

@@ -7,8 +7,8 @@ import pytest
 import scipy.signal
 from satvib_common.kernels.compile import kernel
 from satvib_common.kernels.direct_form import filter_sample
-from satvib_common.kernels.dot import dot
-from satvib_common.kernels.horner import horner, polynomial
+from satvib_common.kernels.horner_rule import horner, polynomial
+from satvib_common.kernels.ordered_dot import dot
 from satvib_common.kernels.schur_cohn import inside_circle, inside_unit_circle
 from satvib_common.kernels.ud import column_product, measure_one
 

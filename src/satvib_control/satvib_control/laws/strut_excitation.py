@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.settings_text import parse_settings
-from satvib_ident.excitation import SIGNALS, make_excitation
+from satvib_ident.excitation.factory import SIGNALS, make_excitation
 
 from satvib_control.laws.parameters import LawParameters
 

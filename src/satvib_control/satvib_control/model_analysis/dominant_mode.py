@@ -33,7 +33,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex
-from satvib_common.kernels.horner import polynomial
+from satvib_common.kernels.horner_rule import polynomial
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.model_analysis.transfer import model_polynomials, value

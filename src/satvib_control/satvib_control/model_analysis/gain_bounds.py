@@ -35,7 +35,7 @@ from numba import njit
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
-from satvib_common.kernels.horner import horner
+from satvib_common.kernels.horner_rule import horner
 from scipy.special import gammaincinv
 
 from satvib_control.model_analysis.transfer import model_polynomials, stable

@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
-from satvib_common.kernels.dot import dot_of
+from satvib_common.kernels.ordered_dot import dot_of
 
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares
-from satvib_ident.forgetting import Forgetting
+from satvib_ident.forgetting.protocol import Forgetting
 
 
 @kernel(

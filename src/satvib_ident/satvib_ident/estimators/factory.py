@@ -4,25 +4,21 @@
 
 import math
 
-from satvib_ident.estimators.continuous import (
-    ContinuousLeastSquares,
-    ContinuousRegressor,
-    GradientEstimator,
-)
+from satvib_ident.estimators.continuous.gradient import GradientEstimator
+from satvib_ident.estimators.continuous.least_squares import ContinuousLeastSquares
+from satvib_ident.estimators.continuous.regressor import ContinuousRegressor
 from satvib_ident.estimators.extended import ExtendedLeastSquares
 from satvib_ident.estimators.instrumental import InstrumentalVariable
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares
 from satvib_ident.estimators.regressor import IirRegressor
-from satvib_ident.forgetting import (
-    CovarianceResetting,
-    DeadZone,
-    DirectionalForgetting,
-    ExponentialForgetting,
-    FiniteWindow,
-    Forgetting,
-    NoForgetting,
-    VariableRateForgetting,
-)
+from satvib_ident.forgetting.dead_zone import DeadZone
+from satvib_ident.forgetting.directional import DirectionalForgetting
+from satvib_ident.forgetting.exponential import ExponentialForgetting
+from satvib_ident.forgetting.none import NoForgetting
+from satvib_ident.forgetting.protocol import Forgetting
+from satvib_ident.forgetting.resetting import CovarianceResetting
+from satvib_ident.forgetting.variable_rate import VariableRateForgetting
+from satvib_ident.forgetting.window import FiniteWindow
 from satvib_ident.parameters import IdentifierParameters
 
 

@@ -25,11 +25,11 @@ from numba import njit
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
-from satvib_common.kernels.dot import dot_of
+from satvib_common.kernels.ordered_dot import dot_of
 
 from satvib_ident.estimators.extended import ExtendedLeastSquares
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares
-from satvib_ident.forgetting import Forgetting
+from satvib_ident.forgetting.protocol import Forgetting
 from satvib_ident.models.polynomials import inside
 
 STABLE = (

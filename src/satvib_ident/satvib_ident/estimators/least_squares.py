@@ -23,13 +23,14 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
-from satvib_common.kernels.dot import dot_of
+from satvib_common.kernels.ordered_dot import dot_of
 from satvib_common.kernels.ud import measure_one
 
 from satvib_ident.covariance import ud
 from satvib_ident.covariance.eigenvalues import information_measures
 from satvib_ident.covariance.ud import grown_scale
-from satvib_ident.forgetting import Forgetting, NoForgetting
+from satvib_ident.forgetting.none import NoForgetting
+from satvib_ident.forgetting.protocol import Forgetting
 
 
 class Tally(IntEnum):

@@ -2,46 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Excitation signals by name and sample index."""
 
-import difflib
-from typing import Any
+from typing import TYPE_CHECKING
 
-from satvib_common.errors import SatvibError
+from satvib_common.door import door
 
-from satvib_ident.excitation.band_random import BandRandom
-from satvib_ident.excitation.chirp import Chirp
-from satvib_ident.excitation.multisine import Multisine
-from satvib_ident.excitation.prbs import Prbs
-from satvib_ident.excitation.signal import Excitation
-from satvib_ident.excitation.sines import Sines
-from satvib_ident.excitation.squares import Squares
-
-SIGNALS: dict[str, type[Excitation]] = {
-    'squares': Squares,
-    'sines': Sines,
-    'prbs': Prbs,
-    'multisine': Multisine,
-    'chirp': Chirp,
-    'random': BandRandom,
-}
-
-
-def make_excitation(name: str, **options: Any) -> Excitation:
-    """Make a signal.
-
-    Args:
-        name: a key of `SIGNALS`.
-        options: the fields of that signal: amplitude (V) and dt (s) always; strut, struts, seed and its own if
-        wanted.
-
-    Raises:
-        SatvibError: an unknown name or option, or a value that the signal cannot have.
-    """
-    if name not in SIGNALS:
-        close = difflib.get_close_matches(name, SIGNALS, n=1)
-        hint = f'did you mean {close[0]}?' if close else f'known: {", ".join(SIGNALS)}'
-        raise SatvibError(f'excitation: {name!r} is unknown; {hint}')
-    return SIGNALS[name].from_mapping(options, f'excitation {name}')
-
+if TYPE_CHECKING:
+    from satvib_ident.excitation.band_random import BandRandom
+    from satvib_ident.excitation.chirp import Chirp
+    from satvib_ident.excitation.factory import SIGNALS, make_excitation
+    from satvib_ident.excitation.multisine import Multisine
+    from satvib_ident.excitation.prbs import Prbs
+    from satvib_ident.excitation.signal import Excitation
+    from satvib_ident.excitation.sines import Sines
+    from satvib_ident.excitation.squares import Squares
 
 __all__ = [
     'SIGNALS',
@@ -54,3 +27,4 @@ __all__ = [
     'Squares',
     'make_excitation',
 ]
+__getattr__, __dir__ = door(__name__, __file__)

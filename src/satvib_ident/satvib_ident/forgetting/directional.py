@@ -26,7 +26,7 @@ import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
-from satvib_common.kernels.dot import dot_of
+from satvib_common.kernels.ordered_dot import dot_of
 
 from satvib_ident.covariance.eigenvalues import is_positive, rotate
 from satvib_ident.covariance.ud import forget_one

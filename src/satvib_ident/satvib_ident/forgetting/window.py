@@ -16,7 +16,7 @@ from numba import njit
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
-from satvib_common.kernels.dot import dot_of
+from satvib_common.kernels.ordered_dot import dot_of
 from satvib_common.kernels.ud import column_product, measure_one
 
 from satvib_ident.covariance.ud import add_one

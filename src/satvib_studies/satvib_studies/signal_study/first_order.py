@@ -10,13 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from satvib_common.arrays import Array
-from satvib_ident.estimators.continuous import (
-    ContinuousLeastSquares,
-    ContinuousRegressor,
-    GradientEstimator,
-)
+from satvib_ident.estimators.continuous.gradient import GradientEstimator
+from satvib_ident.estimators.continuous.least_squares import ContinuousLeastSquares
+from satvib_ident.estimators.continuous.regressor import ContinuousRegressor
 from satvib_ident.estimators.least_squares import RecursiveLeastSquares
-from satvib_ident.forgetting import CovarianceResetting
+from satvib_ident.forgetting.resetting import CovarianceResetting
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,8 @@ from satvib_common.errors import SatvibError
 from satvib_common.levels import rms_with_mean
 from satvib_common.phases import Phase
 from satvib_common.schema import Schema, param
-from satvib_ident.excitation import Excitation, make_excitation
+from satvib_ident.excitation.factory import make_excitation
+from satvib_ident.excitation.signal import Excitation
 from satvib_ident.identifier import IdentifierCore
 from satvib_ident.models.iir_model import IirModel
 from satvib_ident.parameters import ESTIMATORS, IdentifierParameters

@@ -23,7 +23,7 @@ Processing for Active Control, 2001, sections 3.4 and 3.5.
 """
 
 from satvib_common.kernels.compile import kernel
-from satvib_common.kernels.dot import dot_of
+from satvib_common.kernels.ordered_dot import dot_of
 
 TINY = 1e-30
 

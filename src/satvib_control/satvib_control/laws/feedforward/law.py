@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from satvib_common.arrays import Array, Integers, Mask
-from satvib_common.kernels.dot import dot
+from satvib_common.kernels.ordered_dot import dot
 from satvib_common.phases import Phase
 
 from satvib_control.laws.base import BasicLaw, LawInput

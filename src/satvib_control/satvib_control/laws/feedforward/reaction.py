@@ -26,7 +26,7 @@ leak where the bound would be exceeded.
 import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
-from satvib_common.kernels.dot import dot
+from satvib_common.kernels.ordered_dot import dot
 
 from satvib_control.laws.feedforward.fxrls import LeastSquares
 
