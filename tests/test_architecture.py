@@ -127,23 +127,6 @@ def test_tests_mirror_the_rooms(package):
     assert {f for f in folders if f != '.' and f'{package}/{f}' not in rooms} == set()
 
 
-@pytest.mark.parametrize('package', PACKAGES)
-def test_a_package_declares_the_packages_that_it_imports(package):
-    """package.xml names what is imported of satvib, and nothing that is not."""
-    text = (ROOT / 'src' / package / 'package.xml').read_text()
-    declared = set(re.findall(r'<(?:exec_)?depend>(satvib_\w+)<', text))
-    used = {
-        item.module.split('.')[0]
-        for module in MODULES.values()
-        if module.package == package
-        for item in module.imports
-    }
-    if package == 'satvib_bringup':  # it starts the executables of these
-        used |= {'satvib_ident', 'satvib_control', 'satvib_plant_sim'}
-    own = {*PACKAGES, 'satvib_msgs'}
-    assert declared == (used & own) - {package}
-
-
 def test_only_compiled_functions_have_no_types():
     """Numba gives a compiled function its types; for any other they are written down. See pyproject.toml."""
     compiled = ('njit', 'kernel', 'intrinsic')
