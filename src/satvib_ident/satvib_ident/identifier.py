@@ -112,7 +112,7 @@ class Identification:
 
 # what all items have in common is none of these
 FIGURES = tuple(
-    f.name for f in fields(Identification) if f.name not in {'sequence', 'delay', 'dt', 'verdict'}
+    f.name for f in fields(Identification) if f.name not in {'sequence', 'delay', 'dt', 'trust'}
 )
 
 
