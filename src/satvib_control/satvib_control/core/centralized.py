@@ -47,7 +47,7 @@ class CentralizedCore(ControllerCore):
     ) -> None:
         """Nothing: a model of single struts is not what this law was tuned on."""
 
-    def _causes(self, valid: Mask, verdict: Integers) -> Any:
+    def _causes(self, valid: Mask, verdict: Integers) -> Integers:
         return _worst(super()._causes(valid, verdict))
 
 

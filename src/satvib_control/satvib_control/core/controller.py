@@ -28,6 +28,7 @@ from satvib_common.signals.statistics import MovingRms
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.core.divergence_watch import DivergenceWatch, WatchVerdict
+from satvib_control.core.faults import Faults
 from satvib_control.core.output import ControllerOutput
 from satvib_control.core.trusted_model import TrustedModel
 from satvib_control.laws.base import LawInput
@@ -37,14 +38,8 @@ from satvib_control.laws.strut_excitation import StrutSignals
 from satvib_control.model_analysis.transfer import broadcast_model, model_polynomials, stable
 from satvib_control.parameters import ControllerParameters
 
-NOT_FINITE = reason('fault: the law asked for a voltage that is not finite')
-LOST = reason('0 V: the upper acceleration is missing')
-LOST_LONG = reason('fault: the upper acceleration was missing for too long')
-RESTLESS = reason('fault: the upper sensor was not at rest in CALIBRATE')
-DIVERGED = reason('fault: the law made the vibration grow, three times in a row')
 LISTENING = reason('0 V: the vibration grew, listening whether the law is the cause')
 REDUCED = reason('the law had made the vibration grow and goes on with less voltage')
-STOPPED = reason('fault: stopped from outside')
 UNSTABLE = reason('the identified model is not stable: not taken')
 UNCAUSAL = reason('the identified model has no delay, so no law can use it: not taken')
 
@@ -101,20 +96,17 @@ class ControllerCore:
         self.calibration_upper = BiasCalibration(shape)
         self.calibration_lower = BiasCalibration(shape)
         self.watch = DivergenceWatch(p, self.dt, shape)
+        self._faults = Faults(shape)
         self._rms = MovingRms(max(round(p.rms_window * p.sample_rate), 1), shape)
         self._missed = 0
         self._zero = np.zeros(shape)
-        self._nobody = np.zeros(shape, dtype=bool)
+        self._nowhere = np.zeros(shape, dtype=bool)
         self._no_reason = np.zeros(shape, dtype=np.int64)
-        self._alarmed = False  # something is lost, stopped or at fault somewhere
-        self._lost = np.zeros(shape, dtype=np.int64)
         self._saturated = np.zeros(shape, dtype=bool)
         self._fade = np.ones(shape)
-        self._fault_reason = np.zeros(shape, dtype=np.int64)
         self._model_reason = np.zeros(shape, dtype=np.int64)
         self._waiting: tuple[IirModel, Mask, Array | None] | None = None
         self._given = TrustedModel(shape)
-        self._stop = np.zeros(shape, dtype=bool)
         self._checked_rest = False
         self._last: ControllerOutput | None = None
 
@@ -157,17 +149,14 @@ class ControllerCore:
 
     def stop(self) -> None:
         """Latch 0 V from the next sample on, until `reset`."""
-        self._stop = np.ones(self.shape, dtype=bool)
-        self._alarmed = True
+        self._faults.stop()
 
     def reset(self) -> None:
         """Release latched faults; the law begins at rest. Biases and the identified model stay."""
         self.guard.reset()
         self.law.reset()
         self.watch.reset()
-        self._stop = np.zeros(self.shape, dtype=bool)
-        self._lost = np.zeros(self.shape, dtype=np.int64)
-        self._fault_reason = np.zeros(self.shape, dtype=np.int64)
+        self._faults.reset()
 
     def step(
         self,
@@ -235,7 +224,9 @@ class ControllerCore:
             self.calibration_upper.add(upper)
             self.calibration_lower.add(lower)
         elif not self._checked_rest:
-            self._check_rest()
+            self._checked_rest = True
+            deviation = self.calibration_upper.standard_deviation
+            self._faults.check_rest(deviation, self.parameters.calibration_limit)
         upper = upper - self.calibration_upper.mean
         if not whole:
             upper = np.where(valid, upper, 0.0)
@@ -276,7 +267,7 @@ class ControllerCore:
             self._fade = signal = self._zero
             if phase == Phase.IDENTIFY:
                 signal = self._signals.at(k - plan.start_of(k))
-            return _Wish(signal, signal, self._nobody, self._no_reason)
+            return _Wish(signal, signal, self._nowhere, self._no_reason)
         self._fade = scale * self._fade_in(k, plan, phase)
         why = state.reason
         if self.law.needs_model:
@@ -291,13 +282,13 @@ class ControllerCore:
     ) -> tuple[Guarded, Integers]:
         """Let the wish through the guard; give what came out and the reasons (shape)."""
         valid, whole = measured.valid, measured.whole
-        alarmed = self._alarmed or bool(verdict.any()) or not whole
+        alarmed = self._faults.alarmed or bool(verdict.any()) or not whole
         stop = self._causes(valid, verdict) if alarmed else None
         demand = wish.demand if whole else np.where(valid, wish.demand, 0.0)
         guarded = self.guard.apply(demand, False if stop is None else stop != 0)
         self._saturated = guarded.saturated
         if alarmed or guarded.fault.any():
-            return guarded, self._explain(guarded, valid, wish.reason, stop)
+            return guarded, self._faults.explain(guarded, valid, wish.reason, stop)
         return guarded, wish.reason
 
     def _fade_in(self, k: int, plan: PhasePlan, phase: Phase) -> float:
@@ -307,25 +298,6 @@ class ControllerCore:
             return 1.0
         return min((k - plan.start_of(k) + 1) / max(p.switch_on_time * p.sample_rate, 1.0), 1.0)
 
-    def _causes(self, valid: Mask, verdict: Integers) -> Any:
+    def _causes(self, valid: Mask, verdict: Integers) -> Integers:
         """What stops the voltage for good, as codes (shape); 0 for nothing."""
-        self._lost = np.where(valid, 0, self._lost + 1)
-        cause = np.where(self._lost >= self.parameters.loss_limit, LOST_LONG, 0)
-        cause = np.where(verdict == WatchVerdict.DIVERGED, DIVERGED, cause)
-        cause = np.where(self._stop, STOPPED, cause)
-        return np.where(self._fault_reason != 0, self._fault_reason, cause)
-
-    def _explain(self, guarded: Guarded, valid: Mask, why: Any, stop: Any) -> Any:
-        """Remember the cause of a new fault, and give the reasons (shape)."""
-        cause = NOT_FINITE if stop is None else np.where(stop != 0, stop, NOT_FINITE)
-        known = self._fault_reason
-        self._fault_reason = np.where(guarded.fault & (known == 0), cause, known)
-        self._alarmed = bool((self._stop | guarded.fault | (self._lost > 0)).any())
-        return np.where(guarded.fault, self._fault_reason, np.where(valid, why, LOST))
-
-    def _check_rest(self) -> None:
-        """Once after CALIBRATE: a sensor that was not at rest has no bias to learn."""
-        self._checked_rest = True
-        restless = self.calibration_upper.standard_deviation > self.parameters.calibration_limit
-        self._fault_reason = np.where(restless, RESTLESS, self._fault_reason)
-        self._alarmed = self._alarmed or bool(restless.any())
+        return self._faults.causes(valid, verdict, self.parameters.loss_limit)

@@ -93,7 +93,7 @@ def test_an_unstable_model_is_not_taken(make_isolator, make_loop, settings, law)
 def test_a_model_of_other_orders_is_taken_over_in_the_run(make_isolator, make_loop, settings, law):
     """The same response with two poles and zeros more that cancel: finite, no fault, and as well as before.
 
-    model_reference begins its gain anew, for it was adapted on another parametrization: no worse than open loop.
+    model_reference begins at its first gain, for it was adapted on another parametrization: no worse than open loop.
     """
     model = make_isolator(RATE)
     more = [1.0, -0.5, 0.06]

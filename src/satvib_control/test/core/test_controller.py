@@ -141,7 +141,7 @@ def test_stop_latches_zero_until_reset(settings):
     assert core.step(2, ALWAYS, np.array(1.0), np.array(0.0)).voltage == -2.0
 
 
-def test_gaps_are_counted_repeats_answered_alike_and_a_restart_begins_anew(settings):
+def test_gaps_are_counted_repeats_answered_alike_and_a_restart_begins_again(settings):
     core = core_with(settings, Proportional)
     core.step(0, ALWAYS, np.array(1.0), np.array(0.0))
     out = core.step(5, ALWAYS, np.array(2.0), np.array(0.0))

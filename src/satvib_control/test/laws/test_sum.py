@@ -17,7 +17,7 @@ TIRED = reason('a reason of a test')
 
 
 class Canceller(BasicLaw):
-    """Cancels a tone of 12 Hz it is told of, by the gradient through the model's response at that frequency."""
+    """Cancels a tone of 12 Hz, by the gradient through the model's response at that frequency."""
 
     cancels = True
     needs_model = True

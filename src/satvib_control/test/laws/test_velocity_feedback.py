@@ -66,7 +66,7 @@ def test_without_a_model_the_parameters_count(make_isolator, make_loop, settings
     )
 
 
-def test_without_a_model_a_large_gain_is_not_believed(make_isolator, make_loop, settings):
+def test_without_a_model_a_large_gain_is_not_used(make_isolator, make_loop, settings):
     p = settings(sample_rate=RATE, law='velocity_feedback', velocity_gain=1e6)
     loop = make_loop(p, make_isolator(RATE), PLAN, trusted=False)
     loop.run(10)

@@ -6,8 +6,8 @@ Law, Eq. (35), with F in the place of 1/s:
 
     u = K_p (u_c - y) + K_i F(z) (u_c - y) - K_d D(z) y,    D(z) = (1 - z^-1) / T.
 
-F is the drift-free integrator of `satvib_common.signals`, not the D(z) of Eq. (38): that one has its pole at z = 1
-and turns the smallest bias of an accelerometer into a voltage that grows until it stands at the limit.
+F is the drift-free integrator of `satvib_common.signals`, not the D(z) of Eq. (38). That one has its pole at z = 1: the
+smallest bias of an accelerometer becomes a voltage that grows until it stands at the limit.
 
 Closed loop, Eq. (40) with the signs of the identified model: with G = B/A, C_r = K_p + K_i F, C_y = C_r + K_d D,
 
@@ -17,19 +17,23 @@ Sensitivities. Eq. (41) as printed lacks the squared denominator of dH/dK_i. The
 
     dH/dK_p = G S (1 - H),    dH/dK_i = F G S (1 - H),    dH/dK_d = -D G S H,
 
-so with eps = u_c - y_hat and y_hat = H u_c they are G S filtered eps, F eps and -D y_hat. In CONTROL there is no u_c
-and the same filters on eps = -y, y_hat = y give dy/dK of the vibration itself, since y = S d.
+so with eps = u_c - y_hat and y_hat = H u_c they are G S filtered eps, F eps and -D y_hat. In CONTROL there is no u_c.
+The same filters on eps = -y, y_hat = y then give dy/dK of the vibration itself, because y = S d.
 
-Adaptation by `adaptation` with e = y - y_m, projected on what the identified model proves stable with the modulus
-margin: K_i alone on its interval (`gain_bounds`), several gains along their ray (`gain_projection`).
+Adaptation is by `adaptation` with e = y - y_m. The gains are projected on what the identified model proves stable with
+the modulus margin (`design`): K_i alone on its interval, several gains along their ray.
 
-In ADAPT u_c is an excitation and y_m the output of the reference model: the identified model closed with the K_i that
-gives its dominant mode the wanted damping (it starts from the state the plant is in), or the designed
+| phase | u_c | y_m | gains |
+|---|---|---|---|
+| ADAPT | an excitation | output of the reference model | adapt |
+| CONTROL | 0 | 0: the gradient of the vibration's own power | adapt when `adapt_in_control` is set |
+
+The reference model is one of two. The first is the identified model closed with the K_i that gives its dominant mode
+the wanted damping; it starts from the state that the plant is in. The second is the designed
 
     H_m = (1 - zeta_0 / zeta_m) 2 zeta_m w s / (s^2 + 2 zeta_m w s + w^2),
 
-what an ideal skyhook damper makes of a mode zeta_0, w, sampled and late like the model. In CONTROL u_c = 0, and gains
-move only when `adapt_in_control` is set, with y_m = 0: the gradient of the vibration's own power.
+what an ideal skyhook damper makes of a mode zeta_0, w, sampled and late like the model (`reference_model`).
 """
 
 import math

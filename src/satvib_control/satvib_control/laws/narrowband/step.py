@@ -14,6 +14,7 @@ from satvib_control.laws.narrowband.margin import stretch
 from satvib_control.laws.narrowband.memory import (
     Backoff,
     Design,
+    Floor,
     Memory,
     Past,
     Ring,
@@ -41,10 +42,10 @@ def one_sample(design, memory, sample, shown):
     """Give the voltage of one sample of one item; `memory` and `shown` (Shown) are changed."""
     settings, backoff = design.settings, memory.backoff
     d = _disturbance(design, memory, sample.applied, sample.y)
-    error, looked, astray = _track(settings, memory, d, sample.valid)
+    error, looked, out_of_track = _track(settings, memory, d, sample.valid)
     demand, omega, tracking = ask(design, memory)
     short = limit_volts(demand, settings[Setting.VOLTAGE])
-    held = _back_off(settings, memory, sample, d, omega, astray)
+    held = _back_off(settings, memory, sample, d, omega, out_of_track)
     act = sample.act and not held
     _learn_from_attempt(settings, memory, sample, act, omega, d)
     u = fade(settings, memory, demand, act)
@@ -79,14 +80,14 @@ def _track(settings, memory, d, valid):
     if not valid:
         return 0.0, False, False
     e = d - expected
-    correct(tones, settings, tracking, memory.floor[0], step, e)
+    correct(tones, settings, tracking, memory.floor[Floor.NOISE], step, e)
     pointer = int(tracking[Tracking.POINTER])
     rings[Ring.ERROR, pointer] = e
     rings[Ring.DISTURBANCE, pointer] = d
     tracking[Tracking.POINTER] = float((pointer + 1) % window)
     tracking[Tracking.SEEN] += 1.0
-    astray = lost(tracking, settings, e, d)
-    if astray:
+    out_of_track = lost(tracking, settings, e, d)
+    if out_of_track:
         tracking[Tracking.BAD_SAMPLES] = 0.0
         tracking[Tracking.TOP] = 0.0
         rings[Ring.ERROR, :] = rings[Ring.DISTURBANCE, :]
@@ -95,18 +96,18 @@ def _track(settings, memory, d, valid):
     seen = tracking[Tracking.SEEN]
     looked = seen >= window and int(seen) % between == 0
     if looked:
-        prune(tones, settings, memory.floor[0], step, window)
-        search(tones, settings, tracking, rings[0], memory.floor, step)
-    return e, looked, astray
+        prune(tones, settings, memory.floor[Floor.NOISE], step, window)
+        search(tones, settings, tracking, rings[Ring.ERROR], memory.floor, step)
+    return e, looked, out_of_track
 
 
 @njit
-def _back_off(settings, memory, sample, d, omega, astray):
+def _back_off(settings, memory, sample, d, omega, out_of_track):
     """Whether the law is held at 0 V; tones are searched again when a hold begins, the model corrected at its end."""
     backoff = memory.backoff
     if not sample.valid:
         return backoff[Backoff.HOLD] > 0.0
-    wrong = astray and turned(memory.correction)
+    wrong = out_of_track and turned(memory.correction)
     y = sample.y
     verdict = watch(backoff, memory.tracking, settings, y, y - d, sample.act, wrong)
     if verdict == Verdict.TAKEN_OFF:

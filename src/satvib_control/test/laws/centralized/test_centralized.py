@@ -10,7 +10,8 @@ from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_control.core.centralized import CentralizedCore, make_core
-from satvib_control.core.controller import LOST_LONG, ControllerCore
+from satvib_control.core.controller import ControllerCore
+from satvib_control.core.faults import LOST_LONG
 from satvib_control.laws.centralized.geometry import mode_matrix, strut_matrix
 from satvib_control.laws.centralized.law import BLIND
 from satvib_control.laws.centralized.parameters import CentralizedParameters
@@ -102,7 +103,7 @@ def test_one_lost_sensor_takes_all_voltages():
 
 def test_a_law_that_diverges_is_taken_off_all_struts():
     """A wrong polarity on a plant y(k+1) = 0.5 u(k): loop gains 6, 3, 1.5 with the voltage
-    halved twice, all above 1, so three times guilty; what one strut shows must act for all at once."""
+    halved twice, all above 1, so three times the cause; what one strut shows must act for all at once."""
     p = parameters(gains_d=(12.0,) * 3, velocity_polarity=-1.0, watch_ratio=3.0, watch_time=0.1)
     core = CentralizedCore(p)
     y, off = np.array([1e-3, 0.0, 0.0]), []
@@ -132,7 +133,7 @@ def test_a_single_strut_is_one_mode_and_the_law_refuses_less_than_all():
 
 
 def test_samples_are_gathered_in_any_order_and_old_ones_are_left():
-    """Counted by hand: a sample that never gets whole is passed over, and a run that begins anew is followed."""
+    """Counted by hand: a sample that never gets whole is passed over, and a run that begins again is followed."""
     g: Gathering[str] = Gathering(2)
     assert g.add(0, 0, 'a0') is None
     assert g.add(0, 1, 'a1') is None

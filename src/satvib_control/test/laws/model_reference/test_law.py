@@ -238,8 +238,8 @@ def test_without_an_adaptation_the_state_says_why_nothing_happens(
     plan = PhasePlan((Phase.STANDBY, Phase.IDENTIFY, Phase.CONTROL), (0, 1, 2), 100)
     loop = make_loop(settings(sample_rate=RATE), make_isolator(RATE), plan)
     loop.run(10)
-    told = text_of(loop.core.law.state.reason)
-    assert told == 'the gain is still 0: no ADAPT so far, and adapt_in_control is off'
+    shown = text_of(loop.core.law.state.reason)
+    assert shown == 'the gain is still 0: no ADAPT so far, and adapt_in_control is off'
 
 
 def test_without_a_model_the_voltage_is_nothing_and_says_so(

@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What stops the voltage of a strut for good, until `reset`, and the reason that is shown."""
+
+import numpy as np
+from satvib_common.arrays import Array, Integers, Mask
+from satvib_common.guard import Guarded
+
+from satvib_control.core.divergence_watch import WatchVerdict
+from satvib_control.laws.reasons import reason
+
+NOT_FINITE = reason('fault: the law asked for a voltage that is not finite')
+LOST = reason('0 V: the upper acceleration is missing')
+LOST_LONG = reason('fault: the upper acceleration was missing for too long')
+RESTLESS = reason('fault: the upper sensor was not at rest in CALIBRATE')
+DIVERGED = reason('fault: the law made the vibration grow, three times in a row')
+STOPPED = reason('fault: stopped from outside')
+
+
+class Faults:
+    """The faults of a batch of struts. The guard latches them; this gives and keeps the causes.
+
+    Args:
+        shape: leading axes.
+
+    Attributes:
+        alarmed: something is lost, stopped or at fault somewhere; else nothing here needs to be computed.
+    """
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self.shape = shape
+        self.alarmed = False
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all causes."""
+        self._stopped = np.zeros(self.shape, dtype=bool)
+        self._lost = np.zeros(self.shape, dtype=np.int64)  # upper samples lost in a row
+        self._reason = np.zeros(self.shape, dtype=np.int64)
+
+    def stop(self) -> None:
+        """Stop all from the next sample on."""
+        self._stopped = np.ones(self.shape, dtype=bool)
+        self.alarmed = True
+
+    def check_rest(self, deviation: Array, limit: float) -> None:
+        """Stop where a sensor was not at rest in CALIBRATE (shape, m/s^2): it has no bias to learn."""
+        restless = deviation > limit
+        self._reason = np.where(restless, RESTLESS, self._reason)
+        self.alarmed = self.alarmed or bool(restless.any())
+
+    def causes(self, valid: Mask, verdict: Integers, loss_limit: int) -> Integers:
+        """Take a sample; give what stops the voltage for good, as codes (shape); 0 for nothing."""
+        self._lost = np.where(valid, 0, self._lost + 1)
+        cause = np.where(self._lost >= loss_limit, LOST_LONG, 0)
+        cause = np.where(verdict == WatchVerdict.DIVERGED, DIVERGED, cause)
+        cause = np.where(self._stopped, STOPPED, cause)
+        return np.where(self._reason != 0, self._reason, cause)
+
+    def explain(
+        self, guarded: Guarded, valid: Mask, why: Integers, stop: Integers | None
+    ) -> Integers:
+        """Remember the cause of a new fault, and give the reasons (shape).
+
+        Args:
+            guarded: what the guard let through.
+            valid: shape, the upper acceleration was measured.
+            why: shape, reasons without a fault.
+            stop: of `causes`; None: it was not asked.
+        """
+        cause = NOT_FINITE if stop is None else np.where(stop != 0, stop, NOT_FINITE)
+        new = guarded.fault & (self._reason == 0)
+        self._reason = np.where(new, cause, self._reason)
+        self.alarmed = bool((self._stopped | guarded.fault | (self._lost > 0)).any())
+        return np.where(guarded.fault, self._reason, np.where(valid, why, LOST))
