@@ -21,8 +21,8 @@ _KINDS = ('measured_rms', 'true_rms', 'measured_tone', 'true_tone')
 
 def make_console() -> Console:
     """Give the console on standard output, wide enough for the tables in a log."""
-    console = Console(highlight=False)
-    return console if console.is_terminal else Console(highlight=False, width=110)
+    console = Console(highlight=False, markup=False)  # names may hold brackets
+    return console if console.is_terminal else Console(highlight=False, markup=False, width=110)
 
 
 def decibels(value: float | None) -> str:

@@ -3,15 +3,39 @@
 """What `satvib identify` prints: orders compared, the model chosen, its poles, its fits, its residual."""
 
 import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
 from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
-from satvib_ident.offline.order_search import Candidate, OfflineResult
+from satvib_ident.offline.compressed import Progress as Report
+from satvib_ident.offline.compressed import quiet
+from satvib_ident.offline.result import Candidate, OfflineResult
 
 
-def show_identification(console: Console, result: OfflineResult, name: str) -> None:
-    """Print an offline identification."""
+@contextmanager
+def show_progress(console: Console, title: str) -> Iterator[Report]:
+    """Show how far an identification is, where there is a terminal; give what it calls."""
+    if not console.is_terminal:
+        yield quiet
+        return
+    columns = (
+        TextColumn('{task.description}', markup=False), BarColumn(bar_width=24),
+        TextColumn('{task.fields[what]}', markup=False), TimeElapsedColumn(),
+    )  # fmt: skip
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(title, total=1.0, what='')
+        yield lambda share, what: bar.update(task, completed=share, what=what)
+
+
+def show_identification(
+    console: Console, result: OfflineResult, name: str, notes: Sequence[str] = ()
+) -> None:
+    """Print an offline identification; `notes` are those of the record."""
+    for note in (*notes, *result.notes):
+        console.print(f'• {note}')
     if len(result.candidates) > 1:
         console.print(_orders(result))
     console.print(_parameters(result.chosen, name))
@@ -27,8 +51,12 @@ def show_identification(console: Console, result: OfflineResult, name: str) -> N
     white = 'white' if tests.p_value > 0.01 else 'not white'
     console.print(
         f'residual: {white} (p = {tests.p_value:.2g}); within the 99 % bound of independence from '
-        f'the input at {100 * tests.independent_share:.0f} % of the lags'
+        f'the input at {100 * tests.independent_share:.0f} % of the lags 0 to {tests.lags}'
     )
+    for found in result.findings:
+        console.print(f'{"•" if found.finding.trusted else "NOT TRUSTED,"} {found}')
+    if result.trusted:
+        console.print('nothing found speaks against the model')
 
 
 def _fit(value: float) -> str:

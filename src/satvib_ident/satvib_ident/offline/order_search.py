@@ -2,223 +2,210 @@
 # SPDX-License-Identifier: Apache-2.0
 """A model of a whole record: orders compared, the choice explained (`satvib identify`).
 
-Every candidate (n, m, delay) is estimated by the same recursive estimators as in the node,
+Every candidate (n, m, delay) is estimated
 
 * on the first part of the record, and judged on the rest (the validation part) that it has not seen;
 * on the whole record, which gives the model itself and, with V the mean square of its one-step errors over N samples,
 
       AIC = N ln V + 2 p,   BIC = N ln V + p ln N.
 
-Fits are 1 - |y - yhat| / |y - mean y|: of one-step predictions, and of a free run from the measured start.
+Least squares is one triangle for all candidates (`compressed`): what the node's recursion reaches at the last sample.
+The other methods are the node's own recursions (`recursion`). Signals are taken in their own units (`scaling`), as they
+are, with their means removed, and with a constant term; the variant with the best validation is used.
 """
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 
-from satvib_ident.estimators.extended import ExtendedLeastSquares
-from satvib_ident.estimators.instrumental import InstrumentalVariable
-from satvib_ident.estimators.least_squares import RecursiveLeastSquares
 from satvib_ident.estimators.regressor import IirRegressor
-from satvib_ident.models.iir_model import IirModel
-from satvib_ident.offline.residuals import ResidualTests, residual_tests
+from satvib_ident.offline.compressed import Progress, known_rows, quiet
+from satvib_ident.offline.fits import follow
+from satvib_ident.offline.residuals import residual_tests
+from satvib_ident.offline.result import Candidate, OfflineResult, Offset
+from satvib_ident.offline.scaling import check_record
+from satvib_ident.offline.variants import LeastSquares, Recursions, Solution, Variants
+from satvib_ident.offline.verdicts import judge
 
 METHODS = ('least_squares', 'extended', 'instrumental')
 CRITERIA = ('validation', 'bic', 'aic')
-TOLERANCE = 0.01  # of fit: a larger model must gain more than this on data it has not seen
+TOLERANCE = 0.01  # of fit: a larger model, or another treatment of offsets, must gain more on data it has not seen
+ROUNDING = 1e-26  # share of the output's power: errors below it are rounding
+ORDERS = tuple((n, n + 1, 0) for n in (1, 2, 3, 4, 6))
 
 
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """One order and what it achieves.
-
-    Attributes:
-        model: estimated on the whole record.
-        standard_deviation: (p) of a, b.
-        noise_variance: of the one-step errors.
-        aic, bic: information criteria over the samples that all candidates share.
-        one_step, free_run: fits over the whole record.
-        validation_one_step, validation_free_run: fits over the validation part of the model of the first part.
-    """
-
-    model: IirModel
-    standard_deviation: Array
-    noise_variance: float
-    aic: float
-    bic: float
-    one_step: float
-    free_run: float
-    validation_one_step: float
-    validation_free_run: float
-
-    @property
-    def parameters(self) -> int:
-        """Number of parameters, n + m."""
-        return self.model.theta.shape[-1]
-
-    @property
-    def name(self) -> str:
-        """'n/m' and the delay where there is one."""
-        late = f', delay {self.model.delay}' if self.model.delay else ''
-        return f'{self.model.order}/{self.model.b.shape[-1]}{late}'
-
-
-@dataclass(frozen=True, eq=False)
-class OfflineResult:
-    """What `identify` found.
-
-    Attributes:
-        candidates: in the order asked for.
-        chosen: the one that `reason` speaks of.
-        reason: why it was chosen, a sentence.
-        tests: correlations of its residual over the whole record.
-        y, u: the record as used, (samples).
-        residual: one-step errors of the chosen model, (samples); NaN where there are none yet.
-        split: first sample of the validation part.
-        method: how it was estimated.
-    """
-
-    candidates: tuple[Candidate, ...]
-    chosen: Candidate
-    reason: str
-    tests: ResidualTests
-    y: Array
-    u: Array
-    residual: Array
-    split: int
-    method: str
-
-    @property
-    def model(self) -> IirModel:
-        """The chosen model."""
-        return self.chosen.model
-
-    def about(self) -> dict[str, float | int | str]:
-        """Plain data for the model's file."""
-        return {
-            'method': self.method,
-            'samples': len(self.y),
-            'chosen because': self.reason,
-            'one-step fit': self.chosen.one_step,
-            'free-run fit': self.chosen.free_run,
-            'noise variance': self.chosen.noise_variance,
-        }
-
-
-def check_record(y: ArrayLike, u: ArrayLike) -> tuple[Array, Array]:
-    """Give a record as two arrays of floats.
-
-    Raises:
-        SatvibError: not numbers, of different lengths, with values that are not finite, or an input that never moves.
-    """
-    try:
-        out, drive = np.asarray(y, dtype=float), np.asarray(u, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise SatvibError(f'record: not numbers: {error}') from None
-    if out.ndim != 1 or out.shape != drive.shape:
-        raise SatvibError(f'record: output {out.shape} and input {drive.shape} differ in shape')
-    for name, values in (('output', out), ('input', drive)):
-        bad = np.flatnonzero(~np.isfinite(values))
-        if bad.size:
-            raise SatvibError(
-                f'record: {name}: sample {bad[0]} is {values[bad[0]]}, as are {bad.size - 1} more; '
-                'cut or repair the record'
-            )
-        if np.ptp(values) == 0.0:
-            raise SatvibError(f'record: {name}: never changes, so nothing can be told from it')
-    return out, drive
-
-
-def estimate(
-    y: Array, u: Array, poles: int, coefficients: int, delay: int, method: str = 'least_squares'
-) -> RecursiveLeastSquares:
-    """Run a recursive estimator over a record (samples) and give it back.
+def identify(
+    y: ArrayLike,
+    u: ArrayLike,
+    dt: float,
+    orders: Iterable[tuple[int, int, int]] = ORDERS,
+    method: str = 'least_squares',
+    criterion: str = 'validation',
+    validation: float = 0.5,
+    progress: Progress = quiet,
+) -> OfflineResult:
+    """Compare orders on a record and choose one.
 
     Args:
-        y: (samples) output.
-        u: (samples) input.
-        poles: n.
-        coefficients: m.
-        delay: samples.
-        method: one of METHODS.
+        y: (samples) output, m/s^2; NaN where a sample is missing: nothing is taken across it.
+        u: (samples) input, V; likewise.
+        dt: s, sample period.
+        orders: (poles, coefficients, delay) of each candidate.
+        method: least_squares, extended or instrumental.
+        criterion: validation (the smallest model whose free-run fit on the validation part is within 0.01 of the
+            best), bic or aic.
+        validation: share of the record, at its end, that is kept for validation.
+        progress: called with the share done and what is being done.
 
     Raises:
-        SatvibError: too few samples, or an unknown method.
+        SatvibError: a record or a setting that cannot be used, by name.
     """
-    count = poles + coefficients
-    regressor = IirRegressor(poles, coefficients, delay)
-    first = max(poles, coefficients - 1 + delay)
-    if len(y) - first < 2 * count:
-        raise SatvibError(
-            f'record: {len(y)} samples are too few for {poles} poles and {coefficients} coefficients'
-        )
-    estimator: RecursiveLeastSquares
-    if method == 'least_squares':
-        estimator = RecursiveLeastSquares(count)
-    elif method == 'extended':
-        estimator = ExtendedLeastSquares(count, poles)
-    elif method == 'instrumental':
-        estimator = InstrumentalVariable(poles, coefficients)
-    else:
+    output, drive = check_record(y, u)
+    wanted = _check_settings(orders, method, criterion, validation)
+    known = np.cumsum(np.isfinite(output) & np.isfinite(drive))
+    count = int(known[-1])
+    split = int(np.searchsorted(known, count - round(validation * count))) + 1
+    wanted, notes = _possible(output, drive, wanted, split)
+    variants = LeastSquares(output, drive, wanted, split, progress)
+    offset, said = _choose_offset(variants, wanted)
+    notes += said
+    used: Variants = variants
+    if method != 'least_squares':
+        if offset is Offset.CONSTANT:
+            offset = Offset.MEANS
+        used = Recursions(variants, method, offset, progress)
+    rows = known_rows(output, drive, used.columns)
+    candidates = []
+    for i, order in enumerate(wanted):
+        candidates.append(_candidate(used, order, offset, dt, rows))
+        progress((i + 1) / len(wanted), 'fits')
+    chosen, reason = _choose(candidates, criterion)
+    fitted = used.follow(used.solve(_order(chosen), offset, whole=True), slice(None))
+    scale, centre = variants.y.unit, variants.y.centre
+    predicted, free = centre + scale * fitted.predicted, centre + scale * fitted.free
+    tests = residual_tests(output - predicted, drive)
+    findings = judge(candidates, chosen, variants, fitted)
+    return OfflineResult(
+        candidates=tuple(candidates),
+        chosen=chosen,
+        reason=reason,
+        offset=offset,
+        notes=tuple(notes),
+        findings=findings,
+        tests=tests,
+        y=output,
+        u=drive,
+        predicted=predicted,
+        free=free,
+        split=split,
+        method=method,
+    )
+
+
+def _check_settings(
+    orders: Iterable[tuple[int, int, int]], method: str, criterion: str, validation: float
+) -> list[tuple[int, int, int]]:
+    if method not in METHODS:
         raise SatvibError(f'method: {method!r} is not one of {", ".join(METHODS)}')
-    unknown = np.asarray(np.nan)
-    for k in range(len(y)):
-        late = np.asarray(u[k - delay]) if k >= delay else unknown
-        w, target, full = regressor.step(np.asarray(y[k]), late, 0.0)
-        if not full:
-            estimator.interrupt()
-        estimator.update(w, target, full)
-    return estimator
+    if criterion not in CRITERIA:
+        raise SatvibError(f'criterion: {criterion!r} is not one of {", ".join(CRITERIA)}')
+    if not 0.05 <= validation <= 0.95:
+        raise SatvibError(f'validation: {validation} is not between 0.05 and 0.95')
+    wanted = list(orders)
+    if not wanted:
+        raise SatvibError('orders: at least one is needed')
+    for n, m, delay in wanted:
+        IirRegressor(n, m, delay)  # refuses what is no order
+    return wanted
 
 
-def _fit(y: Array, modelled: Array) -> float:
-    """Fit of a record; -inf where the model has run away."""
-    spread = float(np.linalg.norm(y - y.mean()))
-    if not spread > 0.0 or not float(np.max(np.abs(modelled))) < 1e6 * spread:
-        return -math.inf
-    return 1.0 - float(np.linalg.norm(y - modelled)) / spread
+def _possible(
+    y: Array, u: Array, wanted: list[tuple[int, int, int]], split: int
+) -> tuple[list[tuple[int, int, int]], list[str]]:
+    """The orders for which the record has samples enough, and a word on the others."""
+    possible, notes = [], []
+    for n, m, delay in wanted:
+        rows = known_rows(y, u, LeastSquares.columns_of((n, m, delay)))
+        if rows[:split].sum() >= 2 * (n + m) and rows[split:].sum() > 2 * max(n, m - 1 + delay):
+            possible.append((n, m, delay))
+        else:
+            notes.append(f'too few samples without a gap for {n} poles and {m} coefficients: left out')
+    if not possible:
+        n, m, delay = min(wanted)
+        raise SatvibError(
+            f'record: {int(np.isfinite(y * 0.0 + u * 0.0).sum())} samples are too few for {n} poles and {m} '
+            f'coefficients{f" behind {delay} samples" if delay else ""}, with half of them for validation'
+        )
+    return possible, notes
 
 
-def _fits(model: IirModel, y: Array, u: Array) -> tuple[float, float]:
-    """One-step and free-run fit over a record, without the samples that start it."""
-    first = max(model.order, model.b.shape[-1] - 1 + model.delay)
-    with np.errstate(over='ignore', invalid='ignore'):
-        free = model.simulate(u, y[:first])
-    return _fit(y[first:], model.predict(y, u)[first:]), _fit(y[first:], free[first:])
+def _order(candidate: Candidate) -> tuple[int, int, int]:
+    return candidate.model.order, candidate.model.b.shape[-1], candidate.model.delay
 
 
-def _candidate(
-    y: Array, u: Array, dt: float, order: tuple[int, int, int], method: str, split: int, common: int
-) -> Candidate:
-    n, m, delay = order
-    count = n + m
+def _choose_offset(variants: LeastSquares, wanted: list[tuple[int, int, int]]) -> tuple[Offset, list[str]]:
+    """Compare what may be done about offsets on the validation part, over all orders.
 
-    def model_of(estimator: RecursiveLeastSquares) -> IirModel:
-        return IirModel(estimator.theta[:n], estimator.theta[n:count], delay, dt)
+    As with orders, the smallest model within the tolerance of the best one decides, a constant counts as a parameter,
+    and signals stay as measured where that is as good.
+    """
+    part = slice(variants.split, None)
+    trials = []
+    for offset in Offset:
+        for order in wanted:
+            half = variants.solve(order, offset, whole=False)
+            fits = variants.follow(half, part)
+            stable = half.stable and variants.solve(order, offset, whole=True).stable
+            size = order[0] + order[1] + (1 if offset is Offset.CONSTANT else 0)
+            trials.append((size, offset, order, fits.free_run if stable else -math.inf, fits.one_step))
+    free = max(t[3] for t in trials) > -math.inf
+    judged = {t[1:3]: (t[3] if free else t[4]) for t in trials}
+    top = max(fit for fit in judged.values() if not math.isnan(fit))
+    places = list(Offset)
+    size, place, _, order = min(
+        (size, places.index(offset), -judged[offset, order], order)
+        for size, offset, order, _, _ in trials
+        if judged[offset, order] >= top - TOLERANCE
+    )
+    del size
+    if places[place] is Offset.NONE:
+        return Offset.NONE, []
+    best = max((Offset.MEANS, Offset.CONSTANT), key=lambda o: judged[o, order])
+    figures = ', '.join(f'{o.value} {_figure(judged[o, order])}' for o in Offset)
+    what = 'free run' if free else 'one step'
+    return best, [f'offset: {best.value}; {what} of {order[0]}/{order[1]} on the validation part: {figures}']
 
-    whole = estimate(y, u, n, m, delay, method)
-    model = model_of(whole)
-    half = model_of(estimate(y[:split], u[:split], n, m, delay, method))
-    errors = (y - model.predict(y, u))[common:]
+
+def _figure(fit: float) -> str:
+    return f'{fit:.4f}' if math.isfinite(fit) else 'runs away'
+
+
+def _candidate(used: Variants, order: tuple[int, int, int], offset: Offset, dt: float, shared: Array) -> Candidate:
+    half, whole = used.solve(order, offset, whole=False), used.solve(order, offset, whole=True)
+    model, deviation, constant = used.in_units(whole, dt)
+    fitted = used.follow(whole, slice(None))
+    judged = used.follow(half, slice(used.split, None))
+    rows = shared & np.isfinite(fitted.predicted)
+    errors = (used.y.values - fitted.predicted)[rows if rows.sum() > 2 * len(whole.theta) else np.isfinite(fitted.predicted)]
     size = len(errors)
-    level = size * math.log(max(float(errors @ errors) / size, 1e-300))
-    one_step, free_run = _fits(model, y, u)
-    validation_one_step, validation_free_run = _fits(half, y[split:], u[split:])
+    power = max(float(errors @ errors) / size, ROUNDING)
+    level = size * (math.log(power) + 2.0 * math.log(used.y.unit))
+    count = len(whole.theta)
     return Candidate(
         model=model,
-        standard_deviation=np.sqrt(np.diagonal(whole.covariance)[:count]),
-        noise_variance=float(whole.noise_variance),
+        standard_deviation=deviation,
+        noise_variance=whole.variance * used.y.unit**2,
         aic=level + 2.0 * count,
         bic=level + count * math.log(size),
-        one_step=one_step,
-        free_run=free_run,
-        validation_one_step=validation_one_step,
-        validation_free_run=validation_free_run,
+        one_step=fitted.one_step,
+        free_run=fitted.free_run,
+        validation_one_step=judged.one_step,
+        validation_free_run=judged.free_run,
+        constant=constant,
     )
 
 
@@ -246,6 +233,11 @@ def _best(candidates: list[Candidate], criterion: str) -> tuple[Candidate, str]:
     if criterion == 'aic':
         best = min(pool, key=lambda c: c.aic)
         return best, f'{best.name} has the smallest AIC, {best.aic:.1f}{aside}'
+    if not stable:
+        best = max(pool, key=lambda c: c.validation_one_step)
+        return best, (
+            f'{best.name} has the best one-step fit on the validation part, {best.validation_one_step:.4f}; none is stable'
+        )
     top = max(pool, key=lambda c: c.validation_free_run)
     close = [c for c in pool if c.validation_free_run >= top.validation_free_run - TOLERANCE]
     best = min(close, key=lambda c: (c.parameters, -c.validation_free_run))
@@ -259,58 +251,4 @@ def _best(candidates: list[Candidate], criterion: str) -> tuple[Candidate, str]:
     return best, f'{best.name} {why}, {best.validation_free_run:.4f}{aside}'
 
 
-def identify(
-    y: ArrayLike,
-    u: ArrayLike,
-    dt: float,
-    orders: Iterable[tuple[int, int, int]] = (
-        (1, 2, 0),
-        (2, 3, 0),
-        (3, 4, 0),
-        (4, 5, 0),
-        (6, 7, 0),
-    ),
-    method: str = 'least_squares',
-    criterion: str = 'validation',
-    validation: float = 0.5,
-) -> OfflineResult:
-    """Compare orders on a record and choose one.
-
-    Args:
-        y: (samples) output, m/s^2.
-        u: (samples) input, V.
-        dt: s, sample period.
-        orders: (poles, coefficients, delay) of each candidate.
-        method: least_squares, extended or instrumental.
-        criterion: validation (the smallest model whose free-run fit on the validation part is within 0.01 of the
-        best),
-            bic or aic.
-        validation: share of the record, at its end, that is kept for validation.
-
-    Raises:
-        SatvibError: a record or a setting that cannot be used, by name.
-    """
-    output, drive = check_record(y, u)
-    if criterion not in CRITERIA:
-        raise SatvibError(f'criterion: {criterion!r} is not one of {", ".join(CRITERIA)}')
-    if not 0.05 <= validation <= 0.95:
-        raise SatvibError(f'validation: {validation} is not between 0.05 and 0.95')
-    wanted = list(orders)
-    if not wanted:
-        raise SatvibError('orders: at least one is needed')
-    split = len(output) - round(validation * len(output))
-    common = max(max(n, m - 1 + delay) for n, m, delay in wanted)
-    if len(output) - split <= 2 * common:
-        raise SatvibError(
-            f'record: {len(output) - split} samples are too few to validate {max(wanted)[0]} poles'
-        )
-    candidates = [_candidate(output, drive, dt, o, method, split, common) for o in wanted]
-    chosen, reason = _choose(candidates, criterion)
-    model = chosen.model
-    first = max(model.order, model.b.shape[-1] - 1 + model.delay)
-    residual = output - model.predict(output, drive)
-    residual[:first] = np.nan
-    tests = residual_tests(residual[first:], drive[first:])
-    return OfflineResult(
-        tuple(candidates), chosen, reason, tests, output, drive, residual, split, method
-    )
+__all__ = ['CRITERIA', 'METHODS', 'ORDERS', 'Solution', 'identify']

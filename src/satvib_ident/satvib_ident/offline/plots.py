@@ -12,7 +12,7 @@ import numpy as np
 from satvib_common.arrays import Array, Complex
 from satvib_common.errors import SatvibError
 
-from satvib_ident.offline.order_search import OfflineResult
+from satvib_ident.offline.result import OfflineResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,17 +31,13 @@ def new_figure(rows: int, columns: int, size: tuple[float, float]) -> tuple['Fig
 def fit_figure(result: OfflineResult) -> 'Figure':
     """Measured output, one-step prediction and free run; below, the one-step error."""
     model, y = result.model, result.y
-    first = max(model.order, model.b.shape[-1] - 1 + model.delay)
     t = np.arange(len(y)) * model.dt
     figure, ((above,), (below,)) = new_figure(2, 1, (9.0, 5.5))
     above.plot(t, y, color='0.2', lw=1.2, label='measured')
-    # before `first` a prediction lacks some of the past, and would be all that the axis shows
-    told = model.predict(y, result.u)[first:]
-    above.plot(t[first:], told, lw=0.9, label=f'one step, fit {result.chosen.one_step:.4f}')
-    free = model.simulate(result.u, y[:first])
-    above.plot(t, free, lw=0.9, ls='--', label=f'free run, fit {result.chosen.free_run:.4f}')
+    above.plot(t, result.predicted, lw=0.9, label=f'one step, fit {result.chosen.one_step:.4f}')
+    above.plot(t, result.free, lw=0.9, ls='--', label=f'free run, fit {result.chosen.free_run:.4f}')
     above.axvline(t[result.split], color='0.7', lw=0.8)
-    above.annotate(' validation', (t[result.split], np.min(y)), fontsize=8)
+    above.annotate(' validation', (t[result.split], np.nanmin(y)), fontsize=8)
     above.set_ylabel('output [m/s²]')
     above.legend(loc='upper right', fontsize=8)
     below.plot(t, result.residual, lw=0.8, color='C0')

@@ -6,7 +6,7 @@
 
 A white residual of N samples has r_e within 2.58 / sqrt(N) for 99 % of the lags, and the Ljung-Box statistic is
 chi-squared. A residual that owes nothing to the input has r_eu within 2.58 sqrt(sum_j r_e(j) r_u(j) / N), whatever
-its own colour.
+its own colour. Samples that are missing count as zero.
 
 L. Ljung, System Identification, 1999, section 16.6.
 """
@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from satvib_common.arrays import Array
+from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import chdtrc
 
 NINETY_NINE = 2.5758293035489004
@@ -48,22 +49,31 @@ class ResidualTests:
         return len(self.auto) - 1
 
 
-def _correlation(a: Array, b: Array, lags: int) -> Array:
+def correlation(a: Array, b: Array, lags: int) -> Array:
     """Sums of a(k) b(k - j), j = 0..lags."""
-    return np.array([float(a[j:] @ b[: len(b) - j]) for j in range(lags + 1)])
+    if lags <= 30:
+        return np.array([float(a[j:] @ b[: len(b) - j]) for j in range(lags + 1)])
+    size = next_fast_len(len(a) + lags, real=True)
+    return irfft(rfft(a, size) * np.conj(rfft(b, size)), size)[: lags + 1]
+
+
+def centred(values: Array, known: Array) -> Array:
+    """Take the mean of what is known off a signal (samples), and put zero where it is not known."""
+    return np.where(known, values - values[known].mean(), 0.0)
 
 
 def residual_tests(residual: Array, u: Array, lags: int = 20) -> ResidualTests:
-    """Test a residual (samples) against itself and the input (samples)."""
-    e, u = residual - residual.mean(), u - u.mean()
-    count = len(e)
-    lags = min(lags, count // 4)
+    """Test a residual (samples) against itself and the input (samples); NaN where a sample is missing."""
+    known = np.isfinite(residual) & np.isfinite(u)
+    count = max(int(known.sum()), 1)
+    e, u = centred(residual, known), centred(u, known)
+    lags = max(min(lags, count // 4), 1)
     power_e, power_u = float(e @ e), float(u @ u)
-    auto = _correlation(e, e, lags) / (power_e or 1.0)
+    auto = correlation(e, e, lags) / (power_e or 1.0)
     q = count * (count + 2.0) * float(np.sum(auto[1:] ** 2 / (count - np.arange(1, lags + 1))))
-    after, before = _correlation(e, u, lags), _correlation(u, e, lags)
+    after, before = correlation(e, u, lags), correlation(u, e, lags)
     cross = np.concatenate([before[:0:-1], after]) / (np.sqrt(power_e * power_u) or 1.0)
-    own = _correlation(u, u, lags) / (power_u or 1.0)
+    own = correlation(u, u, lags) / (power_u or 1.0)
     # noise in the products can make the sum negative for a short record
     spread = max(1.0 + 2.0 * float(auto[1:] @ own[1:]), 1e-3)
     bound = NINETY_NINE * float(np.sqrt(spread / count))

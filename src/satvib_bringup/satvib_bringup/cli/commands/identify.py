@@ -3,24 +3,32 @@
 """`satvib identify`: a model from a measured record."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from satvib_experiment.records.record import MeasuredRecord
+
+NOT_TRUSTED = 3  # exit code: a model is printed, and should not be used
 
 
 def identify(
     file: Annotated[
         Path,
         typer.Argument(
-            help='CSV file with a header line, or the bag or folder of a run.', metavar='FILE'
+            help='Text file of columns (CSV, TSV, DAT, LVM ...), or the bag or folder of a run.', metavar='FILE'
         ),
     ],
     input_column: Annotated[
-        str | None, typer.Option('--input', help='CSV: column of the input, V.', metavar='COL')
+        str | None, typer.Option('--input', help='Text: column of the input, V; name or number from 1.', metavar='COL')
     ] = None,
     output_column: Annotated[
         str | None,
-        typer.Option('--output', help='CSV: column of the output, m/s^2.', metavar='COL'),
+        typer.Option('--output', help='Text: column of the output, m/s^2; name or number.', metavar='COL'),
+    ] = None,
+    time: Annotated[
+        str | None, typer.Option('--time', help='Text: time column; found by its name otherwise.', metavar='COL')
     ] = None,
     strut: Annotated[int, typer.Option('--strut', help='Run: which strut, from 1.', min=1)] = 1,
     order: Annotated[
@@ -36,13 +44,22 @@ def identify(
     delay: Annotated[
         int | None,
         typer.Option(
-            '--delay', help='Samples from an input to its first output; 0, of a run 1.', min=0
+            '--delay', help='Samples from an input to its first output; searched, of a run 1.', min=0
         ),
     ] = None,
     sample_period: Annotated[
         float | None,
-        typer.Option('--sample-period', help='CSV: s; without it a sample is a second.'),
+        typer.Option('--sample-period', help='Text: s; otherwise from the time column, or a second.'),
     ] = None,
+    separator: Annotated[
+        str | None,
+        typer.Option('--separator', help='Text: comma, semicolon, tab, bar, blanks, or the character; found out otherwise.'),
+    ] = None,
+    decimal: Annotated[str | None, typer.Option('--decimal', help="Text: '.' or ','; found out otherwise.")] = None,
+    encoding: Annotated[
+        str | None, typer.Option('--encoding', help='Text: as in utf-16 or latin-1; found out otherwise.')
+    ] = None,
+    skip: Annotated[int, typer.Option('--skip', help='Text: lines to leave out at the start.', min=0)] = 0,
     method: Annotated[
         str, typer.Option('--method', help='least_squares, extended or instrumental.')
     ] = 'least_squares',
@@ -59,14 +76,19 @@ def identify(
         ),
     ] = None,
 ) -> None:
-    """Identify a model of a record by recursive estimation; compare orders, and say which one and why."""
+    """Identify a model of a record; compare orders, say which one and why, and whether it may be trusted.
+
+    Exit code: 0 nothing speaks against the model, 3 a model is printed that should not be used (the findings say why and
+    what to do), 2 the input is wrong.
+    """
     from satvib_common.errors import SatvibError
-    from satvib_experiment.recording.input_output import read_csv, read_strut
+    from satvib_experiment.records.layout import Reading
+    from satvib_experiment.records.record import bag_record, is_text, text_record
 
     from satvib_bringup.cli.console import make_console
-    from satvib_bringup.cli.identification_view import show_identification
+    from satvib_bringup.cli.identification_view import show_identification, show_progress
 
-    if sample_period is not None and not sample_period > 0.0:
+    if sample_period is not None and not 0.0 < sample_period < float('inf'):
         raise SatvibError(f'--sample-period: {sample_period} is not above 0 s')
     for wanted in order or []:
         if wanted < 1:
@@ -74,26 +96,50 @@ def identify(
     for target in (save, plots):
         if target is not None and target.exists():
             raise SatvibError(f'{target}: exists already, not overwritten')
-    if file.suffix.lower() in {'.csv', '.tsv', '.txt'}:
-        record = read_csv(file, input_column, output_column, sample_period)
+    if is_text(file, bool(input_column or output_column)):
+        memory = max(order or [8]) + (coefficients or 0) + (delay or 0) + 200
+        record = text_record(
+            file, input_column, output_column, sample_period, time, Reading(separator, decimal, encoding, skip), memory
+        )
     else:
-        record = read_strut(file, strut)
-    late = record.delay if delay is None else delay
-    orders = [(n, coefficients or n + 1, late) for n in order or range(1, 9)]
+        record = bag_record(file, strut)
 
     from satvib_ident.models.model_file import save_model
     from satvib_ident.offline.order_search import identify as identify_offline
     from satvib_ident.offline.plots import save_plots
 
+    console = make_console()
+    late, notes = _delay(record, delay)
+    orders = [(n, coefficients or n + 1, late) for n in order or range(1, 9)]
     try:
-        result = identify_offline(record.y, record.u, record.dt, orders, method, criterion)
+        with show_progress(console, f'identify {record.name}') as progress:
+            result = identify_offline(
+                record.y, record.u, record.dt, orders, method, criterion, progress=progress
+            )
     except SatvibError as error:
         raise SatvibError(f'{record.name}: {error}') from None
-    console = make_console()
-    show_identification(console, result, record.name)
+    show_identification(console, result, record.name, [*record.notes, *notes])
     if save is not None:
-        save_model(save, result.model, {**result.about(), 'record': record.name})
+        save_model(save, result.model, {**result.about(), 'record': record.name, 'notes': [*record.notes, *notes]})
         console.print(f'model: {save}', soft_wrap=True)
     if plots is not None:
         save_plots(result, plots)
         console.print(f'plots: {plots}', soft_wrap=True)
+    if not result.trusted:
+        raise typer.Exit(NOT_TRUSTED)
+
+
+def _delay(record: 'MeasuredRecord', told: int | None) -> tuple[int, list[str]]:
+    """The delay of a record and the evidence for it."""
+    from satvib_common.errors import SatvibError
+    from satvib_ident.offline.delay import find_delay
+
+    if told is not None:
+        return told, []
+    if record.delay is not None:
+        return record.delay, []
+    try:
+        found = find_delay(record.y, record.u)
+    except SatvibError as error:
+        raise SatvibError(f'{record.name}: {error}') from None
+    return (found.delay, [str(found)]) if found is not None else (0, ['delay 0: the record is too short to search it'])
