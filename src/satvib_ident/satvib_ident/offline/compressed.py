@@ -16,13 +16,71 @@ from dataclasses import dataclass
 
 import numpy as np
 from satvib_common.arrays import Array, Integers, Mask
+from satvib_common.kernels.compile import kernel
 
-BLOCK = 8192  # rows factorized at once
+BLOCK = 1024  # rows factorized at once, few enough for the cache
 RANK = 1e-13  # a singular value below this share of the largest is rounding
 
 Column = tuple[str, int]
 ONE: Column = ('1', 0)
 Progress = Callable[[float, str], None]
+
+
+@kernel('void(f8[:,:], f8[:,:], b1[:])', '(q,q),(q,r)->()', writable=('R', 'block'))
+def _absorb(R, block, done):
+    """Turn [R; block^T] into a triangle by Householder reflections; `block` is used up.
+
+    R is a triangle already, so the reflection of column j moves its row j and the rows of the block only.
+    """
+    q, r = block.shape
+    for j in range(q):
+        column = block[j]
+        s0, s1, s2, s3 = 0.0, 0.0, 0.0, 0.0  # four sums, which do not wait for one another
+        for k in range(0, r - 3, 4):
+            s0 += column[k] * column[k]
+            s1 += column[k + 1] * column[k + 1]
+            s2 += column[k + 2] * column[k + 2]
+            s3 += column[k + 3] * column[k + 3]
+        for k in range(r - r % 4, r):
+            s0 += column[k] * column[k]
+        below = (s0 + s1) + (s2 + s3)
+        if below == 0.0:
+            continue
+        head = R[j, j]
+        size = np.sqrt(head * head + below)
+        alpha = -size if head > 0.0 else size
+        first = head - alpha
+        factor = 2.0 / (first * first + below)
+        R[j, j] = alpha
+        for i in range(j + 1, q):
+            other = block[i]
+            s0, s1, s2, s3 = 0.0, 0.0, 0.0, 0.0
+            for k in range(0, r - 3, 4):
+                s0 += column[k] * other[k]
+                s1 += column[k + 1] * other[k + 1]
+                s2 += column[k + 2] * other[k + 2]
+                s3 += column[k + 3] * other[k + 3]
+            for k in range(r - r % 4, r):
+                s0 += column[k] * other[k]
+            share = factor * (first * R[j, i] + ((s0 + s1) + (s2 + s3)))
+            R[j, i] -= share * first
+            for k in range(r):
+                other[k] -= share * column[k]
+    done[0] = True
+
+
+@kernel('void(f8[:], i8, i8, b1[:], b1[:])', '(t),(),(),(t)->()', writable=('known',))
+def _all_known(x, newest, oldest, known, done):
+    """Clear `known` at the samples k at which one of x(k - oldest) .. x(k - newest) does not exist or is not finite."""
+    size = x.shape[0]
+    last_bad = -1
+    for k in range(size):
+        place = k - newest
+        if place >= 0 and not abs(x[place]) < np.inf:
+            last_bad = place
+        if k - oldest <= last_bad or k - oldest < 0:
+            known[k] = False
+    done[0] = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,22 +118,16 @@ def known_rows(y: Array, u: Array, columns: Sequence[Column]) -> Mask:
     out = np.ones(len(y), dtype=bool)
     for name, values in (('y', y), ('u', u)):
         lags = sorted(lag for kind, lag in columns if kind == name)
-        if not lags:
-            continue
-        absent = np.concatenate([[0], np.cumsum(~np.isfinite(values))])
-        k = np.arange(len(y))
-        last, first = k - lags[0], k - lags[-1]
-        inside = (first >= 0) & (last < len(y))
-        last, first = np.clip(last, 0, len(y) - 1), np.clip(first, 0, len(y) - 1)
-        out &= inside & (absent[last + 1] - absent[first] == 0)
+        if lags:
+            _all_known(values, lags[0], lags[-1], out)
     return out
 
 
 def matrix(y: Array, u: Array, columns: Sequence[Column], rows: Integers) -> Array:
-    """Rows of the delayed copies, (rows, columns); every sample that they need must exist."""
-    out = np.empty((len(rows), len(columns)), order='F')
+    """Rows of the delayed copies, transposed, (columns, rows); every sample that they need must exist."""
+    out = np.empty((len(columns), len(rows)))
     for j, (name, lag) in enumerate(columns):
-        out[:, j] = 1.0 if name == '1' else (y if name == 'y' else u)[rows - lag]
+        out[j] = 1.0 if name == '1' else (y if name == 'y' else u)[rows - lag]
     return out
 
 
@@ -87,12 +139,14 @@ def triangle(
     progress: Progress = quiet,
     start: Array | None = None,
 ) -> Array:
-    """R of the rows, (at most columns, columns), continued from `start`."""
-    R = np.zeros((0, len(columns))) if start is None else start
+    """R of the rows, (columns, columns), continued from `start`."""
+    R = np.zeros((len(columns), len(columns)))
+    if start is not None:
+        _absorb(R, np.ascontiguousarray(start.T))
     for first in range(0, len(rows), BLOCK):
-        block = matrix(y, u, columns, rows[first : first + BLOCK])
-        R = np.linalg.qr(np.vstack([R, block]), mode='r')
-        progress((first + len(block)) / len(rows), 'one pass for all orders')
+        _absorb(R, matrix(y, u, columns, rows[first : first + BLOCK]))
+        if first % (64 * BLOCK) == 0:
+            progress(first / len(rows), 'one pass for all orders')
     return R
 
 

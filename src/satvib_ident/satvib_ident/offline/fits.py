@@ -5,7 +5,6 @@
 A fit is 1 - |y - yhat| / |y - mean y|, over the samples at which there is a yhat.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,6 +59,29 @@ def _follow(a, b, constant, delay, y, u, predicted, free):
         past[0] = value
 
 
+@kernel('void(f8[:], f8[:], f8[:])', '(t),(t)->()')
+def _fit(y, modelled, out):
+    count, mean = 0, 0.0
+    for k in range(y.shape[0]):
+        if abs(y[k]) < np.inf and modelled[k] == modelled[k]:
+            count += 1
+            mean += (y[k] - mean) / count
+    out[0] = np.nan
+    if count < 2:
+        return
+    spread, off, peak = 0.0, 0.0, 0.0
+    for k in range(y.shape[0]):
+        if abs(y[k]) < np.inf and modelled[k] == modelled[k]:
+            spread += (y[k] - mean) ** 2
+            off += (y[k] - modelled[k]) ** 2
+            peak = max(peak, abs(modelled[k]))
+    spread = np.sqrt(spread)
+    if spread > 0.0 and peak < RUNS_AWAY * spread:
+        out[0] = 1.0 - np.sqrt(off) / spread
+    else:
+        out[0] = -np.inf
+
+
 @dataclass(frozen=True, eq=False)
 class Fitted:
     """A difference equation A(q) y = B(q) u(k - delay) + constant and what it says of a record.
@@ -77,14 +99,7 @@ class Fitted:
 
 def fit(y: Array, modelled: Array) -> float:
     """Fit over the samples at which both are known; -inf where the model has run away, NaN without samples."""
-    both = np.isfinite(y) & np.isfinite(modelled)
-    if both.sum() < 2:
-        return math.nan
-    measured, said = y[both], modelled[both]
-    spread = float(np.linalg.norm(measured - measured.mean()))
-    if not spread > 0.0 or not float(np.max(np.abs(said))) < RUNS_AWAY * spread:
-        return -math.inf
-    return 1.0 - float(np.linalg.norm(measured - said)) / spread
+    return float(_fit(y, modelled))
 
 
 def follow(a: Array, b: Array, constant: float, delay: int, y: Array, u: Array) -> Fitted:

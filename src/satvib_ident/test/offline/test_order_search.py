@@ -8,9 +8,10 @@ from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_ident.identifier import IdentifierCore
 from satvib_ident.models.iir_model import IirModel
-from satvib_ident.offline.order_search import Candidate, _choose, identify
+from satvib_ident.offline.order_search import _choose, identify
 from satvib_ident.offline.plots import FIGURES, save_plots
 from satvib_ident.offline.residuals import residual_tests
+from satvib_ident.offline.result import Candidate
 from satvib_ident.parameters import IdentifierParameters
 
 ORDERS = [(n, n + 1, 0) for n in (1, 2, 3, 4, 6)]
@@ -178,7 +179,8 @@ def test_a_model_file_can_tell_where_it_comes_from(equation_error_record, tmp_pa
     [
         ({'y': ['a', 'b']}, 'not numbers'),
         ({'y': [1.0, 2.0]}, 'differ in shape'),
-        ({'y': [0.0, np.nan] * 100}, 'output: sample 1 is nan, as are 99 more'),
+        ({'y': [0.0, 1.0, np.nan] * 70, 'u': [0.0, 1.0, 2.0] * 70}, 'too few'),
+        ({'y': [np.nan] * 200}, 'output: no sample is known'),
         ({'u': [0.0, np.inf] * 100}, 'input: sample 1 is inf'),
         ({'u': [1.0] * 200}, 'input: never changes'),
         ({'orders': []}, 'at least one'),
