@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What `satvib identify` costs on a long record, beside one `numpy.linalg.lstsq` of the largest order.
 
-The record is PRBS of 1 V through a plant of two poles, with noise on the output; wall time of one run, and the memory of
-the process. `--text FOLDER` also writes and reads the record as CSV.
+The record is PRBS of 1 V through a plant of two poles, with noise on the output; wall time of one run, and the
+memory of the process. `--text FOLDER` also writes and reads the record as CSV.
 
     .venv/bin/python benchmarks/identify_speed.py --samples 1000000
 """
@@ -41,7 +41,9 @@ def timed(what, call):
 
 def batch(y, u, n):
     """Least squares of order n with numpy: rows and solution."""
-    columns = [-y[n - i : len(y) - i] for i in range(1, n + 1)] + [u[n - i : len(u) - i] for i in range(n + 1)]
+    columns = [-y[n - i : len(y) - i] for i in range(1, n + 1)] + [
+        u[n - i : len(u) - i] for i in range(n + 1)
+    ]
     return np.linalg.lstsq(np.column_stack(columns), y[n:], rcond=None)[0]
 
 
@@ -57,11 +59,15 @@ def main():
     for method in arguments.methods:
         identify(y[:2000], u[:2000], 0.01, ORDERS, method)
     print('| what | time [s] | memory of the process [MB] |\n|---|---|---|')
-    one, result = timed('identify, orders 1 to 8, least squares', lambda: identify(y, u, 0.01, ORDERS))
+    one, result = timed(
+        'identify, orders 1 to 8, least squares', lambda: identify(y, u, 0.01, ORDERS)
+    )
     timed('identify, order 8 alone', lambda: identify(y, u, 0.01, ORDERS[-1:]))
     timed('search of the delay', lambda: find_delay(y, u))
     for method in arguments.methods:
-        timed(f'identify, orders 1 to 8, {method}', lambda m=method: identify(y, u, 0.01, ORDERS, m))
+        timed(
+            f'identify, orders 1 to 8, {method}', lambda m=method: identify(y, u, 0.01, ORDERS, m)
+        )
     if arguments.text:
         _text(arguments.text, y, u)
     reference, theta = timed('numpy.linalg.lstsq, order 8', lambda: batch(y, u, 8))
@@ -75,7 +81,9 @@ def _text(folder, y, u):
 
     path = folder / 'long.csv'
     t = np.arange(len(y)) * 0.01
-    np.savetxt(path, np.column_stack([t, u, y]), fmt='%.6g', delimiter=',', header='t,u,y', comments='')
+    np.savetxt(
+        path, np.column_stack([t, u, y]), fmt='%.6g', delimiter=',', header='t,u,y', comments=''
+    )
     timed(f'reading {path.stat().st_size / 1e6:.0f} MB of CSV', lambda: text_record(path, 'u', 'y'))
     path.unlink()
 

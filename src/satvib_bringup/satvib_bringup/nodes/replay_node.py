@@ -33,6 +33,8 @@ class ReplayNode(SatvibNode[ReplayParameters]):
         """Read the record and offer the topics."""
         p = self.parameters
         self.record = load_record(p)
+        for note in self.record.notes:
+            self.get_logger().info(note)
         self.sample = StrutAcceleration(sample_period=self.record.period)
         self.sample.header.frame_id = p.strut
         self.voltage = VcaVoltage()

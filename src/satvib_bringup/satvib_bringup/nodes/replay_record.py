@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-from satvib_common.files.csv_columns import read_columns
 from satvib_common.phases import Phase, PhasePlan
+from satvib_common.records.record import is_text, text_record
 from satvib_common.schema import Schema, param
 
 
@@ -21,7 +21,9 @@ from satvib_common.schema import Schema, param
 class ReplayParameters(Schema):
     """Which record, and how fast."""
 
-    file: str = param('', 'CSV file with a header line, or a bag of satvib', read_only=True)
+    file: str = param(
+        '', 'text file of columns (CSV, TSV, DAT, LVM ...), or a bag of satvib', read_only=True
+    )
     input: str = param('input', 'CSV: column of the input (voltage)', read_only=True)
     output: str = param('output', 'CSV: column of the output (upper acceleration)', read_only=True)
     strut: str = param(
@@ -62,6 +64,7 @@ class ReplayRecord:
         upper, lower, voltage: (samples,) m/s^2, m/s^2, V; NaN where not known.
         period: s.
         plan: phases by sample.
+        notes: what was found in a text file, a sentence each.
     """
 
     upper: Array
@@ -69,6 +72,7 @@ class ReplayRecord:
     voltage: Array
     period: float
     plan: PhasePlan
+    notes: tuple[str, ...] = ()
 
     @property
     def is_answered(self) -> bool:
@@ -84,10 +88,13 @@ def load_record(parameters: ReplayParameters) -> ReplayRecord:
     """
     p = parameters
     path = Path(p.file)
-    if path.suffix.lower() in {'.csv', '.txt', '.tsv'}:
-        voltage, upper = read_columns(path, [p.input, p.output])
-        plan = PhasePlan((Phase[p.phase],), (0,), len(upper))
-        return ReplayRecord(upper, np.full(len(upper), np.nan), voltage, 1.0 / p.sample_rate, plan)
+    if is_text(path, columns_given=False):
+        measured = text_record(path, p.input, p.output, 1.0 / p.sample_rate)
+        plan = PhasePlan((Phase[p.phase],), (0,), len(measured.y))
+        nothing = np.full(len(measured.y), np.nan)
+        return ReplayRecord(
+            measured.y, nothing, measured.u, measured.dt, plan, tuple(measured.notes)
+        )
     return _from_bag(path, p.strut)
 
 

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 from satvib_common.door import door
 
 if TYPE_CHECKING:
-    from satvib_common.files.csv_columns import read_columns
     from satvib_common.files.suggestions import nearest
     from satvib_common.files.whole_file import write_whole
 
-__all__ = ['nearest', 'read_columns', 'write_whole']
+__all__ = ['nearest', 'write_whole']
 __getattr__, __dir__ = door(__name__, __file__)

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from numba import guvectorize
+from numba import guvectorize, njit
 
 from satvib_common.kernels.cache import own_folder
 
@@ -46,3 +46,12 @@ def kernel(
         return compiled
 
     return decorate
+
+
+def body(compiled: Kernel) -> Kernel:
+    """Give the function of a kernel for use inside another one, as in a loop over samples.
+
+    Scalars are arguments as they are; an output of the layout '()' is an array of one element.
+    """
+    function: Kernel = njit(compiled.__wrapped__)  # type: ignore[attr-defined] # functools sets it
+    return function

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Records of sensors: columns of a CSV file, or the accelerations of a bag."""
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,52 +10,23 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
+from satvib_common.records.text_table import read_table
 
 
 def read_csv(path: Path, columns: Mapping[str, str]) -> Array:
     """Read the column of each channel.
 
     Args:
-        path: with a header line.
+        path: text file of columns, with a header line.
         columns: name of the column by name of the channel.
 
     Returns:
-        (rows, channels) in the order of `columns`.
+        (rows, channels) in the order of `columns`; NaN where a value is missing.
 
     Raises:
-        SatvibError: no such file or column, a cell that is no number; channel and line are named.
+        SatvibError: no such file or column, a cell that is no number; the line is named.
     """
-    try:
-        with path.open(encoding='utf-8-sig', newline='') as source:
-            rows = list(csv.reader(source))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise SatvibError(f'{path}: cannot be read: {error}') from None
-    if len(rows) < 2:
-        raise SatvibError(f'{path}: a header line and rows of numbers are expected')
-    header = [name.strip() for name in rows[0]]
-    for channel, column in columns.items():
-        if column not in header:
-            raise SatvibError(
-                f'{path}: {channel}: no column {column!r} (columns: {", ".join(header)})'
-            )
-    positions = [header.index(column) for column in columns.values()]
-    values = [
-        [_number(path, number, row, at) for at in positions]
-        for number, row in enumerate(rows[1:], start=2)
-        if row
-    ]
-    return np.array(values)
-
-
-def _number(path: Path, line: int, row: Sequence[str], at: int) -> float:
-    try:
-        value = float(row[at])
-    except (ValueError, IndexError):
-        value = math.nan
-    if not math.isfinite(value):
-        cell = row[at] if at < len(row) else ''
-        raise SatvibError(f'{path}: line {line}: {cell!r} is not a finite number')
-    return value
+    return np.stack(read_table(path, list(columns.values())).columns, axis=-1)
 
 
 def read_bag(path: Path, channels: Sequence[str]) -> Array:

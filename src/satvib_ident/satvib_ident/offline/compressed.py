@@ -150,6 +150,11 @@ def triangle(
     return R
 
 
+def upper(W: Array) -> Array:
+    """R of a small matrix."""
+    return np.asarray(np.linalg.qr(W, mode='r'))
+
+
 def regress(R: Array, target: int, given: Sequence[int], rows: int) -> Regression:
     """Regress one column of a triangle on others.
 
@@ -160,7 +165,7 @@ def regress(R: Array, target: int, given: Sequence[int], rows: int) -> Regressio
         rows: samples that R stands for.
     """
     given = list(given)
-    small = np.linalg.qr(np.column_stack([R[:, given], R[:, target]]), mode='r')
+    small = upper(np.column_stack([R[:, given], R[:, target]]))
     p = len(given)
     W, goal = small[:, :p], small[:, p]
     size = np.sqrt(np.sum(W * W, axis=0))

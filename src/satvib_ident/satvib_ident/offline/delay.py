@@ -53,9 +53,11 @@ class DelaySearch:
     def __str__(self) -> str:
         """A sentence with the evidence."""
         best = int(np.argmin(self.variance))
-        errors = f'{100.0 * self.variance[best]:.3g} % of the variance of the output, without delay {100.0 * self.without:.3g} %'
+        least, without = 100.0 * self.variance[best], 100.0 * self.without
+        errors = f'{least:.3g} % of the variance of the output, without delay {without:.3g} %'
         return (
-            f'delay {self.delay}, searched from 0 to {self.searched}: the error is smallest at {best} ({errors}); input and '
+            f'delay {self.delay}, searched from 0 to {self.searched}: the error is smallest at {best} '
+            f'({errors}); input and '
             f'output correlate most at lag {self.peak}'
         )
 

@@ -14,9 +14,7 @@ from satvib_common.kernels.compile import kernel
 RUNS_AWAY = 1e6  # deviations of the record: a free run beyond this has run away
 
 
-@kernel(
-    'void(f8[:], f8[:], f8, i8, f8[:], f8[:], f8[:], f8[:])', '(n),(m),(),(),(t),(t)->(t),(t)'
-)
+@kernel('void(f8[:], f8[:], f8, i8, f8[:], f8[:], f8[:], f8[:])', '(n),(m),(),(),(t),(t)->(t),(t)')
 def _follow(a, b, constant, delay, y, u, predicted, free):
     """One-step predictions and a free run; NaN where there is none.
 

@@ -19,12 +19,11 @@ from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import ArrayLike
-from satvib_common.arrays import Array
+from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 
 from satvib_ident.estimators.regressor import IirRegressor
 from satvib_ident.offline.compressed import Progress, known_rows, quiet
-from satvib_ident.offline.fits import follow
 from satvib_ident.offline.residuals import residual_tests
 from satvib_ident.offline.result import Candidate, OfflineResult, Offset
 from satvib_ident.offline.scaling import check_record
@@ -133,7 +132,9 @@ def _possible(
         if rows[:split].sum() >= 2 * (n + m) and rows[split:].sum() > 2 * max(n, m - 1 + delay):
             possible.append((n, m, delay))
         else:
-            notes.append(f'too few samples without a gap for {n} poles and {m} coefficients: left out')
+            notes.append(
+                f'too few samples without a gap for {n} poles and {m} coefficients: left out'
+            )
     if not possible:
         n, m, delay = min(wanted)
         raise SatvibError(
@@ -147,7 +148,9 @@ def _order(candidate: Candidate) -> tuple[int, int, int]:
     return candidate.model.order, candidate.model.b.shape[-1], candidate.model.delay
 
 
-def _choose_offset(variants: LeastSquares, wanted: list[tuple[int, int, int]]) -> tuple[Offset, list[str]]:
+def _choose_offset(
+    variants: LeastSquares, wanted: list[tuple[int, int, int]]
+) -> tuple[Offset, list[str]]:
     """Compare what may be done about offsets on the validation part, over all orders.
 
     As with orders, the smallest model within the tolerance of the best one decides, a constant counts as a parameter,
@@ -161,7 +164,9 @@ def _choose_offset(variants: LeastSquares, wanted: list[tuple[int, int, int]]) -
             fits = variants.follow(half, part)
             stable = half.stable and variants.solve(order, offset, whole=True).stable
             size = order[0] + order[1] + (1 if offset is Offset.CONSTANT else 0)
-            trials.append((size, offset, order, fits.free_run if stable else -math.inf, fits.one_step))
+            trials.append(
+                (size, offset, order, fits.free_run if stable else -math.inf, fits.one_step)
+            )
     free = max(t[3] for t in trials) > -math.inf
     judged = {t[1:3]: (t[3] if free else t[4]) for t in trials}
     top = max(fit for fit in judged.values() if not math.isnan(fit))
@@ -177,20 +182,26 @@ def _choose_offset(variants: LeastSquares, wanted: list[tuple[int, int, int]]) -
     best = max((Offset.MEANS, Offset.CONSTANT), key=lambda o: judged[o, order])
     figures = ', '.join(f'{o.value} {_figure(judged[o, order])}' for o in Offset)
     what = 'free run' if free else 'one step'
-    return best, [f'offset: {best.value}; {what} of {order[0]}/{order[1]} on the validation part: {figures}']
+    return best, [
+        f'offset: {best.value}; {what} of {order[0]}/{order[1]} on the validation part: {figures}'
+    ]
 
 
 def _figure(fit: float) -> str:
     return f'{fit:.4f}' if math.isfinite(fit) else 'runs away'
 
 
-def _candidate(used: Variants, order: tuple[int, int, int], offset: Offset, dt: float, shared: Array) -> Candidate:
+def _candidate(
+    used: Variants, order: tuple[int, int, int], offset: Offset, dt: float, shared: Mask
+) -> Candidate:
     half, whole = used.solve(order, offset, whole=False), used.solve(order, offset, whole=True)
     model, deviation, constant = used.in_units(whole, dt)
     fitted = used.follow(whole, slice(None))
     judged = used.follow(half, slice(used.split, None))
     rows = shared & np.isfinite(fitted.predicted)
-    errors = (used.y.values - fitted.predicted)[rows if rows.sum() > 2 * len(whole.theta) else np.isfinite(fitted.predicted)]
+    if rows.sum() <= 2 * len(whole.theta):  # too many gaps for rows that all candidates share
+        rows = np.isfinite(fitted.predicted)
+    errors = (used.y.values - fitted.predicted)[rows & np.isfinite(used.y.values)]
     size = len(errors)
     power = max(float(errors @ errors) / size, ROUNDING)
     level = size * (math.log(power) + 2.0 * math.log(used.y.unit))
@@ -236,7 +247,8 @@ def _best(candidates: list[Candidate], criterion: str) -> tuple[Candidate, str]:
     if not stable:
         best = max(pool, key=lambda c: c.validation_one_step)
         return best, (
-            f'{best.name} has the best one-step fit on the validation part, {best.validation_one_step:.4f}; none is stable'
+            f'{best.name} has the best one-step fit on the validation part, {best.validation_one_step:.4f}; '
+            'none is stable'
         )
     top = max(pool, key=lambda c: c.validation_free_run)
     close = [c for c in pool if c.validation_free_run >= top.validation_free_run - TOLERANCE]

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.compile import body, kernel
 
 from satvib_ident.estimators import extended as extended_module
 from satvib_ident.estimators import instrumental as instrumental_module
@@ -21,12 +21,11 @@ from satvib_ident.offline.compressed import Progress, quiet
 
 BLOCK = 50_000  # samples between two signs of life
 
-# a kernel keeps the function that it was made of
-_extend_one = njit(extended_module._extend.__wrapped__)  # noqa: SLF001
-_leave_one = njit(extended_module._leave.__wrapped__)  # noqa: SLF001
-_learn_one = njit(least_squares_module._learn.__wrapped__)  # noqa: SLF001
-_filter_one = njit(instrumental_module._filter.__wrapped__)  # noqa: SLF001
-_solve_one = njit(instrumental_module._solve.__wrapped__)  # noqa: SLF001
+_extend_one = body(extended_module._extend)  # noqa: SLF001
+_leave_one = body(extended_module._leave)  # noqa: SLF001
+_learn_one = body(least_squares_module._learn)  # noqa: SLF001
+_filter_one = body(instrumental_module._filter)  # noqa: SLF001
+_solve_one = body(instrumental_module._solve)  # noqa: SLF001
 
 
 @njit
@@ -50,7 +49,9 @@ def _regressor(y, late, past, drive, w):
 
 
 @njit
-def _extended_step(w, target, active, limit, theta, U, d, tally, residual, peak, extended, gain, one, flag):
+def _extended_step(
+    w, target, active, limit, theta, U, d, tally, residual, peak, extended, gain, one, flag
+):
     """One update of extended least squares; `one` (4) and `flag` (1) hold the results: error, lambda, rest, used."""
     _extend_one(w, target, active, residual, theta, extended, one[0:1], flag)
     use = flag[0]
@@ -96,7 +97,11 @@ def _instrumental_loop(
     w, z, wf, gain = np.empty(p), np.empty(p), np.empty(p), np.empty(p)
     extended, helper_gain = np.empty(q), np.empty(q)
     one, other = np.empty(4), np.empty(4)
-    flag, used, solved = np.empty(1, dtype=np.bool_), np.empty(1, dtype=np.bool_), np.empty(1, dtype=np.bool_)
+    flag, used, solved = (
+        np.empty(1, dtype=np.bool_),
+        np.empty(1, dtype=np.bool_),
+        np.empty(1, dtype=np.bool_),
+    )
     work = np.empty((p, p + 1))
     settings = np.array([6.0 * p, 20.0])
     for k in range(y.shape[0]):
@@ -113,12 +118,14 @@ def _instrumental_loop(
         )  # fmt: skip
         latest = helper_theta[:p]
         _filter_one(
-            w, target, latest, helper_tally, one[0], flag[0], settings, theta, model, memory, uf, age, z, wf, other[0:1],
-            other[1:2], used,
+            w, target, latest, helper_tally, one[0], flag[0], settings, theta, model, memory, uf, age, z, wf,
+            other[0:1], other[1:2], used,
         )  # fmt: skip
         use = used[0]
         _learn_one(z, other[1], one[1], limits, use, theta, U, d, tally, gain, other[2:3], used)
-        _solve_one(z, wf, other[0], other[2], used[0], latest, tally, settings, theta, R, work, solved)
+        _solve_one(
+            z, wf, other[0], other[2], used[0], latest, tally, settings, theta, R, work, solved
+        )
     done[0] = True
 
 

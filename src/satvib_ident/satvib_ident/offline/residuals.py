@@ -14,7 +14,7 @@ L. Ljung, System Identification, 1999, section 16.6.
 from dataclasses import dataclass
 
 import numpy as np
-from satvib_common.arrays import Array
+from satvib_common.arrays import Array, Mask
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.special import chdtrc
 
@@ -57,7 +57,7 @@ def correlation(a: Array, b: Array, lags: int) -> Array:
     return irfft(rfft(a, size) * np.conj(rfft(b, size)), size)[: lags + 1]
 
 
-def centred(values: Array, known: Array) -> Array:
+def centred(values: Array, known: Mask) -> Array:
     """Take the mean of what is known off a signal (samples), and put zero where it is not known."""
     return np.where(known, values - values[known].mean(), 0.0)
 

@@ -22,19 +22,37 @@ class Offset(Enum):
 class Finding(Enum):
     """What was found about a model; the value says what to do, `trusted` whether the model may still be trusted."""
 
-    PURE_FEEDBACK = (False, 'excite the loop with a signal that does not depend on the output (a dither)')
-    POOR_EXCITATION = (False, 'excite with a PRBS, a multisine or a chirp, or ask for a lower --order')
+    PURE_FEEDBACK = (
+        False,
+        'excite the loop with a signal that does not depend on the output (a dither)',
+    )
+    POOR_EXCITATION = (
+        False,
+        'excite with a PRBS, a multisine or a chirp, or ask for a lower --order',
+    )
     ALL_UNSTABLE = (False, 'take trend and offset off, ask for other orders, or excite more')
     UNSTABLE_IN_LOOP = (
         False,
         'add a dither, and judge the model by its one-step fit and by a test in the loop: its free run says nothing',
     )
-    SWAPPED = (False, 'swap --input and --output; if a controller dominates the record, excite the loop more')
+    SWAPPED = (
+        False,
+        'swap --input and --output; if a controller dominates the record, excite the loop more',
+    )
     NO_RESPONSE = (False, 'check the columns, give a larger --delay, or excite more')
-    FREE_RUN_FAILS = (False, 'try other orders, another --delay or --method instrumental; look at the notes')
+    FREE_RUN_FAILS = (
+        False,
+        'try other orders, another --delay or --method instrumental; look at the notes',
+    )
     RESIDUAL_ANSWERS = (False, 'raise --order or --coefficients, or give the --delay')
-    EXACT_FIT = (True, 'a measured record has noise: make sure that the output was not computed from the input')
-    FEEDBACK = (True, 'if a controller was running, least squares may be biased: excite with a dither')
+    EXACT_FIT = (
+        True,
+        'a measured record has noise: make sure that the output was not computed from the input',
+    )
+    FEEDBACK = (
+        True,
+        'if a controller was running, least squares may be biased: excite with a dither',
+    )
     RESIDUAL_HINT = (True, 'a higher --order may fit better')
 
     @property

@@ -67,4 +67,8 @@ def scale(values: Array, part: slice) -> Scaled:
     centre = float(np.mean(of_part)) if of_part.size else 0.0
     known = small[np.isfinite(small)] - centre
     spread = math.frexp(float(np.sqrt(np.mean(known * known))))[1] - 1
-    return Scaled(np.ldexp(small - centre, -spread), math.ldexp(centre, largest), math.ldexp(1.0, largest + spread))
+    return Scaled(
+        np.ldexp(small - centre, -spread),
+        math.ldexp(centre, largest),
+        math.ldexp(1.0, largest + spread),
+    )

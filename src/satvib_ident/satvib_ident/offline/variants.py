@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Every candidate of a record, by least squares from one triangle or by a recursion of the node, with and without offset.
+"""Every candidate of a record, by least squares from one triangle or by a recursion of the node, with offset or not.
 
 All of it in the record's own units (`scaling`), as A(q) y = B(q) u(k - delay) + c.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -101,7 +100,12 @@ class _InOwnUnits:
 
     def follow(self, solution: Solution, part: slice) -> Fitted:
         return follow(
-            solution.a, solution.b, solution.constant, solution.order[2], self.y.values[part], self.u.values[part]
+            solution.a,
+            solution.b,
+            solution.constant,
+            solution.order[2],
+            self.y.values[part],
+            self.u.values[part],
         )
 
     def in_units(self, solution: Solution, dt: float) -> tuple[IirModel, Array, float]:
@@ -137,13 +141,22 @@ class LeastSquares(_InOwnUnits):
         super().__init__(scale(y, slice(split)), scale(u, slice(split)), split)
         lags = {lag for _, m, d in orders for lag in range(d, d + m)}
         poles = max(n for n, _, _ in orders)
-        self.columns = [ONE, *(('y', i) for i in range(1, poles + 1)), *(('u', i) for i in sorted(lags)), ('y', 0)]
+        self.columns = [
+            ONE,
+            *(('y', i) for i in range(1, poles + 1)),
+            *(('u', i) for i in sorted(lags)),
+            ('y', 0),
+        ]
         self._rows = known_rows(self.y.values, self.u.values, self.columns)
         rows = np.flatnonzero(self._rows)
         first, rest = rows[rows < split], rows[rows >= split]
         values = self.y.values, self.u.values
-        half = triangle(*values, self.columns, first, lambda share, what: progress(0.5 * share, what))
-        whole = triangle(*values, self.columns, rest, lambda share, what: progress(0.5 + 0.5 * share, what), half)
+        half = triangle(
+            *values, self.columns, first, lambda share, what: progress(0.5 * share, what)
+        )
+        whole = triangle(
+            *values, self.columns, rest, lambda share, what: progress(0.5 + 0.5 * share, what), half
+        )
         self._triangles = {False: half, True: whole}
         self._counts = {False: len(first), True: len(rows)}
         y_known, u_known = (v[np.isfinite(v)] for v in values)
@@ -155,7 +168,12 @@ class LeastSquares(_InOwnUnits):
     def columns_of(order: Order) -> list[Column]:
         """The columns of one candidate, the target last."""
         n, m, delay = order
-        return [ONE, *(('y', i) for i in range(1, n + 1)), *(('u', delay + i) for i in range(m)), ('y', 0)]
+        return [
+            ONE,
+            *(('y', i) for i in range(1, n + 1)),
+            *(('u', delay + i) for i in range(m)),
+            ('y', 0),
+        ]
 
     def _triangle(self, order: Order, whole: bool) -> tuple[Array, int]:
         """Triangle of one candidate over all rows that are complete for it, and their number."""
@@ -171,6 +189,7 @@ class LeastSquares(_InOwnUnits):
         return self._small[order, whole]
 
     def solve(self, order: Order, offset: Offset, whole: bool) -> Solution:
+        """Estimate one candidate, once."""
         key = (order, offset, whole)
         if key not in self._solved:
             self._solved[key] = self._solve(order, offset, whole)
@@ -183,7 +202,9 @@ class LeastSquares(_InOwnUnits):
         if offset is Offset.CONSTANT:
             found = regress(R, p + 1, range(p + 1), rows)
             theta = found.theta[1:] * _signs(n, m)
-            return Solution(order, theta, float(found.theta[0]), found.deviation[1:], found.variance)
+            return Solution(
+                order, theta, float(found.theta[0]), found.deviation[1:], found.variance
+            )
         if offset is Offset.NONE:  # the signals as they were: zero lies at minus the centre
             shift = -self.y.centre / self.y.unit, -self.u.centre / self.u.unit
         else:
@@ -210,7 +231,9 @@ class Recursions(_InOwnUnits):
         progress: called with the share done of an order.
     """
 
-    def __init__(self, of: LeastSquares, method: str, offset: Offset, progress: Progress = quiet) -> None:
+    def __init__(
+        self, of: LeastSquares, method: str, offset: Offset, progress: Progress = quiet
+    ) -> None:
         super().__init__(of.y, of.u, of.split)
         self.columns = of.columns
         self._method, self._progress = method, progress
@@ -219,6 +242,7 @@ class Recursions(_InOwnUnits):
         self._solved: dict[Order, dict[bool, Solution]] = {}
 
     def solve(self, order: Order, offset: Offset, whole: bool) -> Solution:
+        """Estimate one candidate, once, both on the first part and on the whole."""
         del offset
         if order not in self._solved:
             y, u = self.y.values - self._shift[0], self.u.values - self._shift[1]
@@ -232,8 +256,3 @@ class Recursions(_InOwnUnits):
                 found[is_whole] = Solution(order, theta, constant, run.deviation, variance)
             self._solved[order] = found
         return self._solved[order][whole]
-
-
-def finite_or(value: float, otherwise: float) -> float:
-    """A value, or another where it is not finite."""
-    return value if math.isfinite(value) else otherwise

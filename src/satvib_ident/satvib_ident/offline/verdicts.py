@@ -5,12 +5,12 @@
 One small triangle holds both signals at the lags around a sample. Regressions in it answer: does the output help to
 predict the input (then a controller was running, or the columns are swapped); is the input an exact combination of the
 output (then the model is that of the controller); does the input help to predict the output at all. The order of
-excitation is that of the node (`trust.measures`): what is left of each delayed copy of the input after those before it,
-here compared with the noise. What the residual still owes to the input is found as in `trust.model_error`, over all lags
-that the record allows.
+excitation is that of the node (`trust.measures`): what is left of each delayed copy of the input after those before
+it, here compared with the noise. What the residual still owes to the input is found as in `trust.model_error`, over
+all lags that the record allows.
 
-T. Soederstroem and P. Stoica, System Identification, 1989, chapter 10 (closed loops); C. W. J. Granger, Econometrica 37,
-1969 (whether one signal helps to predict another).
+T. Soederstroem and P. Stoica, System Identification, 1989, chapter 10 (closed loops); C. W. J. Granger, Econometrica
+37, 1969 (whether one signal helps to predict another).
 """
 
 import math
@@ -21,7 +21,7 @@ import numpy as np
 from satvib_common.arrays import Array
 from scipy.linalg import LinAlgError, solve_toeplitz
 
-from satvib_ident.offline.compressed import ONE, Column, known_rows, regress, triangle
+from satvib_ident.offline.compressed import ONE, Column, known_rows, regress, triangle, upper
 from satvib_ident.offline.delay import find_delay
 from satvib_ident.offline.fits import Fitted, follow
 from satvib_ident.offline.residuals import NINETY_NINE, centred, correlation
@@ -36,7 +36,9 @@ ROUNDED = 10.0  # times the power of rounding
 SURE = 30.0  # N ln(ratio of variances): far beyond chance
 HELPS = 0.9  # ratio of variances; less is what a weak coupling of the sensors gives
 FEW_LEVELS = 20  # a signal with no more values was made by a generator
-UNPREDICTABLE = 0.9  # share of the input that its own past does not explain: white, made by a generator
+UNPREDICTABLE = (
+    0.9  # share of the input that its own past does not explain: white, made by a generator
+)
 FLAT = 2.2  # kurtosis below which a signal has the envelope of a chirp or of uniform numbers
 REST = 1e-24  # share of power left of a copy: rounding (`trust.measures`)
 REST_CAP = 1e-6
@@ -89,10 +91,21 @@ def judge(
         found += [feedback or _excitation_found(excited, chosen)]
         if feedback is None:
             found += [_direction(around, y, u, chosen)]
-    found += [_unstable(candidates, chosen, found), _free_run(chosen), _residual(y, u, fitted, chosen, record.u.unit / record.y.unit), _exact(y, fitted)]
+    found += [
+        _unstable(candidates, chosen, found),
+        _free_run(chosen),
+        _residual(y, u, fitted, chosen, record.u.unit / record.y.unit),
+        _exact(y, fitted),
+    ]
     kept = [f for f in found if f is not None]
-    if any(f.finding in {Finding.SWAPPED, Finding.PURE_FEEDBACK} for f in kept):  # what else is odd follows from it
-        kept = [f for f in kept if not f.finding.trusted or f.finding in {Finding.SWAPPED, Finding.PURE_FEEDBACK}]
+    if any(
+        f.finding in {Finding.SWAPPED, Finding.PURE_FEEDBACK} for f in kept
+    ):  # what else is odd follows from it
+        kept = [
+            f
+            for f in kept
+            if not f.finding.trusted or f.finding in {Finding.SWAPPED, Finding.PURE_FEEDBACK}
+        ]
         kept = [f for f in kept if f.finding is not Finding.UNSTABLE_IN_LOOP]
     return tuple(sorted(kept, key=lambda f: f.finding.trusted))
 
@@ -154,7 +167,8 @@ def _excitation_found(excited: int, chosen: Candidate) -> Found | None:
         return None
     return Found(
         Finding.POOR_EXCITATION,
-        f'the input excites only order {excited} above the noise, the {chosen.parameters} parameters of {chosen.name} need '
+        f'the input excites only order {excited} above the noise, the {chosen.parameters} parameters of '
+        f'{chosen.name} need '
         f'{chosen.parameters}, so others fit as well',
     )
 
@@ -172,16 +186,20 @@ def _pure_feedback(around: _Around, y: Array, u: Array) -> Found | None:
     limit = min(limit, 1e-6 * power)
     if own < 100.0 * limit:  # the input follows from its own past: few sines, not the output
         return None
-    if before < limit and _generated(y, around.left(('y', 0), [ONE, *_lags(around, 'y', 1)]) * gain / power):
+    if before < limit and _generated(
+        y, around.left(('y', 0), [ONE, *_lags(around, 'y', 1)]) * gain / power
+    ):
         return Found(
             Finding.SWAPPED,
-            f'the input follows from the past of the output (what is left of it is {math.sqrt(before / power):.1e} of its '
+            'the input follows from the past of the output (what is left of it is '
+            f'{math.sqrt(before / power):.1e} of its '
             'deviation), and the output looks made by a generator',
         )
     rank = _rank(around, limit)
     what = (
         f'the input is an exact combination of the output (what is left of it is {math.sqrt(now / power):.1e} of its '
-        f'deviation; {rank}), as under a controller without excitation: the model is that of the controller, and nothing '
+        f'deviation; {rank}), as under a controller without excitation: the model is that of the controller, '
+        'and nothing '
         'follows about the plant'
     )
     if before < limit:
@@ -195,7 +213,8 @@ def _rank(around: _Around, limit: float) -> str:
     """Rank of a regressor of two past outputs and three inputs at the scale of the noise."""
     wanted: list[Column] = [('y', 1), ('y', 2), ('u', 0), ('u', 1), ('u', 2)]
     present = [around.columns.index(c) for c in [ONE, *wanted] if c in around.columns]
-    s = np.linalg.svd(np.linalg.qr(around.R[:, present], mode='r')[1:, 1:], compute_uv=False)
+    small = upper(around.R[:, present])
+    s = np.linalg.svd(small[1:, 1:], compute_uv=False)
     rank = int(np.sum(s**2 / around.rows > 4.0 * limit))
     return f'the regressor of order 2 has rank {rank} of {len(present) - 1}'
 
@@ -217,7 +236,11 @@ def _direction(around: _Around, y: Array, u: Array, chosen: Candidate) -> Found 
     late = chosen.model.delay - 1 if chosen.model.delay else 0
     with_u = around.left(('y', 0), [ONE, *_lags(around, 'y', 1), *_lags(around, 'u', max(late, 0))])
     power = around.left(('u', 0), [ONE])
-    answers = own_u > 1e-6 * power and with_y < HELPS * own_u and around.rows * math.log(own_u / max(with_y, 1e-300)) > SURE
+    answers = (
+        own_u > 1e-6 * power
+        and with_y < HELPS * own_u
+        and around.rows * math.log(own_u / max(with_y, 1e-300)) > SURE
+    )
     explains = own_y > 0.0 and around.rows * math.log(own_y / max(with_u, 1e-300)) > SURE
     share = 1.0 - with_y / own_u if own_u > 0.0 else 0.0
     gained = f'the past of the output explains {100.0 * share:.0f} % of what the past of the input leaves open'
@@ -235,9 +258,14 @@ def _direction(around: _Around, y: Array, u: Array, chosen: Candidate) -> Found 
         )
     if not explains:
         reach = chosen.model.delay + LAGS
-        return Found(Finding.NO_RESPONSE, f'the input explains nothing of the output within {reach} samples')
+        return Found(
+            Finding.NO_RESPONSE, f'the input explains nothing of the output within {reach} samples'
+        )
     if answers:
-        return Found(Finding.FEEDBACK, f'the input answers to the output ({gained}): a controller was running')
+        return Found(
+            Finding.FEEDBACK,
+            f'the input answers to the output ({gained}): a controller was running',
+        )
     return None
 
 
@@ -253,23 +281,30 @@ def _reverse_is_better(around: _Around, y: Array, u: Array, chosen: Candidate) -
     reverse = follow(-theta[:n], theta[n:], float(found.theta[0]), 0, u, y)
     own = chosen.validation_free_run
     # the past of the output alone must be what explains: else both directions fit, as for a static plant
-    return reverse.free_run > 0.5 and reverse.free_run > (own if math.isfinite(own) else -1.0) + SWAP
+    return (
+        reverse.free_run > 0.5 and reverse.free_run > (own if math.isfinite(own) else -1.0) + SWAP
+    )
 
 
 # ---------------------------------------------------------------- the model
-def _unstable(candidates: Sequence[Candidate], chosen: Candidate, found: Sequence[Found | None]) -> Found | None:
+def _unstable(
+    candidates: Sequence[Candidate], chosen: Candidate, found: Sequence[Found | None]
+) -> Found | None:
     unstable = [c for c in candidates if not bool(c.model.is_stable())]
     if not unstable:
         return None
     best = max(unstable, key=lambda c: c.validation_one_step)
     modulus = float(best.model.pole_modulus())
-    loop = any(f is not None and f.finding in {Finding.FEEDBACK, Finding.PURE_FEEDBACK} for f in found)
+    loop = any(
+        f is not None and f.finding in {Finding.FEEDBACK, Finding.PURE_FEEDBACK} for f in found
+    )
     better = 1.0 - best.validation_one_step < STEP_LOSS * (1.0 - chosen.validation_one_step)
     everything = len(unstable) == len(candidates)
     if loop and modulus > 1.0 and (everything or better):
         return Found(
             Finding.UNSTABLE_IN_LOOP,
-            f'{best.name} has the best one-step fit, {best.validation_one_step:.4f}, and a pole of modulus {modulus:.4f}, '
+            f'{best.name} has the best one-step fit, {best.validation_one_step:.4f}, and a pole of modulus '
+            f'{modulus:.4f}, '
             'and the input answers to the output: an unstable plant in a loop',
         )
     if everything:
@@ -314,7 +349,8 @@ def _residual(y: Array, u: Array, fitted: Fitted, chosen: Candidate, unit: float
         return None
     error = _response_error(own, cross, power_e, chosen.model.b * unit, drive, count)
     evidence = (
-        f'the residual still answers to the input, most at lag {worst} (correlation {share[worst]:.2f}, bound {bound:.2f}); '
+        f'the residual still answers to the input, most at lag {worst} (correlation {share[worst]:.2f}, bound '
+        f'{bound:.2f}); '
         f'the response is off by about {100.0 * min(error, 99.0):.0f} %'
     )
     reach = chosen.model.delay + chosen.model.b.shape[-1]
@@ -348,4 +384,7 @@ def _exact(y: Array, fitted: Fitted) -> Found | None:
     share = float(np.nanmean(e * e)) / (float(np.nanvar(y)) or 1.0)
     if share > PERFECT:
         return None
-    return Found(Finding.EXACT_FIT, f'the model leaves {math.sqrt(share):.1e} of the output, as without any noise')
+    return Found(
+        Finding.EXACT_FIT,
+        f'the model leaves {math.sqrt(share):.1e} of the output, as without any noise',
+    )

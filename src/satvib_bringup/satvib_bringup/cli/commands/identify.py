@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from satvib_experiment.records.record import MeasuredRecord
+    from satvib_common.records.record import MeasuredRecord
 
 NOT_TRUSTED = 3  # exit code: a model is printed, and should not be used
 
@@ -17,18 +17,27 @@ def identify(
     file: Annotated[
         Path,
         typer.Argument(
-            help='Text file of columns (CSV, TSV, DAT, LVM ...), or the bag or folder of a run.', metavar='FILE'
+            help='Text file of columns (CSV, TSV, DAT, LVM ...), or the bag or folder of a run.',
+            metavar='FILE',
         ),
     ],
     input_column: Annotated[
-        str | None, typer.Option('--input', help='Text: column of the input, V; name or number from 1.', metavar='COL')
+        str | None,
+        typer.Option(
+            '--input', help='Text: column of the input, V; name or number from 1.', metavar='COL'
+        ),
     ] = None,
     output_column: Annotated[
         str | None,
-        typer.Option('--output', help='Text: column of the output, m/s^2; name or number.', metavar='COL'),
+        typer.Option(
+            '--output', help='Text: column of the output, m/s^2; name or number.', metavar='COL'
+        ),
     ] = None,
     time: Annotated[
-        str | None, typer.Option('--time', help='Text: time column; found by its name otherwise.', metavar='COL')
+        str | None,
+        typer.Option(
+            '--time', help='Text: time column; found by its name otherwise.', metavar='COL'
+        ),
     ] = None,
     strut: Annotated[int, typer.Option('--strut', help='Run: which strut, from 1.', min=1)] = 1,
     order: Annotated[
@@ -44,22 +53,34 @@ def identify(
     delay: Annotated[
         int | None,
         typer.Option(
-            '--delay', help='Samples from an input to its first output; searched, of a run 1.', min=0
+            '--delay',
+            help='Samples from an input to its first output; searched, of a run 1.',
+            min=0,
         ),
     ] = None,
     sample_period: Annotated[
         float | None,
-        typer.Option('--sample-period', help='Text: s; otherwise from the time column, or a second.'),
+        typer.Option(
+            '--sample-period', help='Text: s; otherwise from the time column, or a second.'
+        ),
     ] = None,
     separator: Annotated[
         str | None,
-        typer.Option('--separator', help='Text: comma, semicolon, tab, bar, blanks, or the character; found out otherwise.'),
+        typer.Option(
+            '--separator',
+            help='Text: comma, semicolon, tab, bar, blanks or a character; else found out.',
+        ),
     ] = None,
-    decimal: Annotated[str | None, typer.Option('--decimal', help="Text: '.' or ','; found out otherwise.")] = None,
+    decimal: Annotated[
+        str | None, typer.Option('--decimal', help="Text: '.' or ','; found out otherwise.")
+    ] = None,
     encoding: Annotated[
-        str | None, typer.Option('--encoding', help='Text: as in utf-16 or latin-1; found out otherwise.')
+        str | None,
+        typer.Option('--encoding', help='Text: as in utf-16 or latin-1; found out otherwise.'),
     ] = None,
-    skip: Annotated[int, typer.Option('--skip', help='Text: lines to leave out at the start.', min=0)] = 0,
+    skip: Annotated[
+        int, typer.Option('--skip', help='Text: lines to leave out at the start.', min=0)
+    ] = 0,
     method: Annotated[
         str, typer.Option('--method', help='least_squares, extended or instrumental.')
     ] = 'least_squares',
@@ -78,12 +99,13 @@ def identify(
 ) -> None:
     """Identify a model of a record; compare orders, say which one and why, and whether it may be trusted.
 
-    Exit code: 0 nothing speaks against the model, 3 a model is printed that should not be used (the findings say why and
-    what to do), 2 the input is wrong.
+    Exit code: 0 nothing speaks against the model, 3 a model is printed that should not be used (the findings say why
+    and what to do), 2 the input is wrong.
     """
     from satvib_common.errors import SatvibError
-    from satvib_experiment.records.layout import Reading
-    from satvib_experiment.records.record import bag_record, is_text, text_record
+    from satvib_common.records.layout import Reading
+    from satvib_common.records.record import is_text, text_record
+    from satvib_experiment.recording.strut_record import read_strut
 
     from satvib_bringup.cli.console import make_console
     from satvib_bringup.cli.identification_view import show_identification, show_progress
@@ -99,10 +121,16 @@ def identify(
     if is_text(file, bool(input_column or output_column)):
         memory = max(order or [8]) + (coefficients or 0) + (delay or 0) + 200
         record = text_record(
-            file, input_column, output_column, sample_period, time, Reading(separator, decimal, encoding, skip), memory
+            file,
+            input_column,
+            output_column,
+            sample_period,
+            time,
+            Reading(separator, decimal, encoding, skip),
+            memory,
         )
     else:
-        record = bag_record(file, strut)
+        record = read_strut(file, strut)
 
     from satvib_ident.models.model_file import save_model
     from satvib_ident.offline.order_search import identify as identify_offline
@@ -120,7 +148,11 @@ def identify(
         raise SatvibError(f'{record.name}: {error}') from None
     show_identification(console, result, record.name, [*record.notes, *notes])
     if save is not None:
-        save_model(save, result.model, {**result.about(), 'record': record.name, 'notes': [*record.notes, *notes]})
+        save_model(
+            save,
+            result.model,
+            {**result.about(), 'record': record.name, 'notes': [*record.notes, *notes]},
+        )
         console.print(f'model: {save}', soft_wrap=True)
     if plots is not None:
         save_plots(result, plots)
@@ -142,4 +174,8 @@ def _delay(record: 'MeasuredRecord', told: int | None) -> tuple[int, list[str]]:
         found = find_delay(record.y, record.u)
     except SatvibError as error:
         raise SatvibError(f'{record.name}: {error}') from None
-    return (found.delay, [str(found)]) if found is not None else (0, ['delay 0: the record is too short to search it'])
+    return (
+        (found.delay, [str(found)])
+        if found is not None
+        else (0, ['delay 0: the record is too short to search it'])
+    )

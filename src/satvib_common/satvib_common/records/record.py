@@ -1,21 +1,18 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Input and output for offline identification, from a text file or from a recorded run."""
+"""Input and output of a measured record from a text file: read, put in its places in time, looked at."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from satvib_common.arrays import Array
-from satvib_common.errors import SatvibError
-from satvib_common.phases import Phase
 
-from satvib_experiment.records.checks import check_signal
-from satvib_experiment.records.encoding import READABLE, TEXT_SUFFIXES, foreign_format
-from satvib_experiment.records.text_table import Reading, TextTable, read_table
-from satvib_experiment.records.time_column import Places, in_order, places, unit_of
-from satvib_experiment.recording.load import load_recording
-from satvib_experiment.report.context import without_bias
+from satvib_common.arrays import Array, Mask
+from satvib_common.errors import SatvibError
+from satvib_common.records.checks import check_signal
+from satvib_common.records.encoding import READABLE, TEXT_SUFFIXES, foreign_format
+from satvib_common.records.text_table import Reading, TextTable, read_table
+from satvib_common.records.time_column import Places, in_order, places, unit_of
 
 BLANK_SHARE = 0.5  # a text with this share of blank rows has them between all rows
 MISSING_SHARE = 0.5  # a record with more of its samples missing is refused
@@ -59,7 +56,9 @@ def is_text(path: Path, columns_given: bool) -> bool:
     except OSError:
         name = ''
     if name or (path.is_file() and path.name != 'metadata.yaml'):
-        raise SatvibError(f'{path}: is {name or "not a format that is known by its ending"}; {READABLE}')
+        raise SatvibError(
+            f'{path}: is {name or "not a format that is known by its ending"}; {READABLE}'
+        )
     return False
 
 
@@ -106,7 +105,9 @@ def text_record(
             'taken across them'
         )
         if count > MISSING_SHARE * len(absent):
-            raise SatvibError(f'{path}: {count} of {len(absent)} rows lack a value; too many for a model')
+            raise SatvibError(
+                f'{path}: {count} of {len(absent)} rows lack a value; too many for a model'
+            )
     notes += check_signal('input', u) + check_signal('output', y)
     return MeasuredRecord(u, y, dt, None, path.name, notes)
 
@@ -115,7 +116,7 @@ def _where(table: TextTable, path: Path, told: bool, memory: int, notes: list[st
     """Where the rows of a table belong: as its times say, or one after the other."""
     rows = len(table.columns[0])
     values = np.array(table.columns)
-    blank = np.isnan(values).all(axis=0)
+    blank: Mask = np.asarray(np.isnan(values).all(axis=0))
     if table.time is not None:
         blank &= np.isnan(table.time)
     if blank[1::2].all() and not blank[::2].any() and rows > 2:
@@ -147,7 +148,9 @@ def _glued(table: TextTable, memory: int, notes: list[str]) -> Places:
     extra = np.zeros(rows, dtype=np.int64)
     extra[table.again] = memory
     lines = ', '.join(str(int(table.lines[i])) for i in table.again[:3])
-    notes.append(f'the header is repeated at line {lines}: what follows is taken as a record of its own')
+    notes.append(
+        f'the header is repeated at line {lines}: what follows is taken as a record of its own'
+    )
     place = np.arange(rows) + np.cumsum(extra)
     steps = np.diff(table.time) if table.time is not None else np.zeros(0)
     forward = steps[steps > 0.0]
@@ -163,7 +166,9 @@ def _sample_period(where: Places, table: TextTable, told: float | None, notes: l
     found = where.period * (unit or 1.0)
     if told is None:
         assumed = '' if unit else ', taken as seconds'
-        notes.append(f'sample period {found:.6g} s from the time column {table.time_name!r}{assumed}')
+        notes.append(
+            f'sample period {found:.6g} s from the time column {table.time_name!r}{assumed}'
+        )
         return found
     if abs(found - told) > PERIOD_TOLERANCE * told:
         notes.append(
@@ -171,29 +176,3 @@ def _sample_period(where: Places, table: TextTable, told: float | None, notes: l
             'used'
         )
     return told
-
-
-def bag_record(path: Path, strut: int) -> MeasuredRecord:
-    """Take the IDENTIFY phase of a recorded run, or all of it when there was none.
-
-    Args:
-        path: bag, folder of a run, or recording.npz.
-        strut: counts from 1.
-
-    Raises:
-        SatvibError: no such strut, or nothing recorded to identify from.
-    """
-    recording = load_recording(path)
-    count = len(recording.struts)
-    if not 1 <= strut <= count:
-        raise SatvibError(f'--strut: {strut} is not one of the {count} struts of {path}')
-    spans = [(s, e) for phase, s, e in recording.phases() if phase is Phase.IDENTIFY]
-    window = recording.window(*spans[0]) if spans else slice(None)
-    u = recording.get('voltage', 'voltage')[window, strut - 1]
-    y = without_bias(recording, window)[:, strut - 1]
-    name = f'{recording.struts[strut - 1]} of {path}'
-    notes = []
-    if gaps := int((~np.isfinite(u) | ~np.isfinite(y)).sum()):
-        notes.append(f'{gaps} of {len(u)} samples lack a value: gaps; nothing is taken across them')
-    notes += check_signal('input', u) + check_signal('output', y)
-    return MeasuredRecord(u, y, recording.sample_period, 1, name, notes)

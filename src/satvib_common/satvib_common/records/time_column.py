@@ -11,6 +11,7 @@ import re
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from satvib_common.arrays import Array, Integers
 from satvib_common.errors import SatvibError
 
@@ -45,7 +46,9 @@ class Places:
 
 def unit_of(name: str) -> float | None:
     """Unit in the name of a time column, s; None where there is none."""
-    found = re.search(r'[\[\(/_ ]\s*(ns|us|µs|μs|ms|s|secs?|seconds|min|h)[\]\)]?$', name.strip(), re.IGNORECASE)
+    found = re.search(
+        r'[\[\(/_ ]\s*(ns|us|µs|μs|ms|s|secs?|seconds|min|h)[\]\)]?$', name.strip(), re.IGNORECASE
+    )
     if found:
         return _UNITS[found[1].lower()]
     return 1.0 if name.strip().lower() == 'seconds' else None
@@ -85,7 +88,8 @@ def places(time: Array, values: Array, lines: Array, unknown: int, name: str) ->
     if coarse is not None:
         resolution, period = coarse
         notes.append(
-            f'the time is rounded to {resolution:.4g}, which is more than the sample period; samples are taken as evenly '
+            f'the time is rounded to {resolution:.4g}, which is more than the sample period; samples are taken '
+            'as evenly '
             'spaced'
         )
         out = np.full(len(time), -1)
@@ -105,7 +109,8 @@ def places(time: Array, values: Array, lines: Array, unknown: int, name: str) ->
         )
         if doubtful > max(3, 0.05 * len(t)):
             raise SatvibError(
-                f'time column {name!r}: {doubtful} rows have the time of the row before and other values, first at line '
+                f'time column {name!r}: {doubtful} rows have the time of the row before and other values, '
+                'first at line '
                 f'{int(lines[known[same_time[0]]])}; which one counts cannot be told'
             )
     known, t = known[~repeated], t[~repeated]
@@ -134,7 +139,8 @@ def _placed(
     missing = ~back & (multiple > 1.0)
     if missing.sum() > GAPS * len(steps):
         raise SatvibError(
-            f'time column {name!r}: samples are missing after {_share(int(missing.sum()), len(steps))} of the rows, too '
+            f'time column {name!r}: samples are missing after {_share(int(missing.sum()), len(steps))} of the '
+            'rows, too '
             'many for a model; the sample period changes, or the recording lost data'
         )
     regular = ~back & ~missing
@@ -148,13 +154,15 @@ def _placed(
         first = int(lines[known[1:][missing & ~unsure][0]])
         notes.append(
             f'the time jumps over missing samples at {gaps} places ({int(sizes.sum())} samples, '
-            f'{_share(int(sizes.sum()), len(t) + int(sizes.sum()))}; first before line {first}); nothing is taken across '
+            f'{_share(int(sizes.sum()), len(t) + int(sizes.sum()))}; first before line {first}); nothing is '
+            'taken across '
             'a gap'
         )
     for i in np.flatnonzero(unsure)[:3]:
         what = 'goes back' if back[i] else 'jumps'
         notes.append(
-            f'the time {what} from {t[i]:.6g} to {t[i + 1]:.6g} at line {int(lines[known[i + 1]])}: what follows is taken '
+            f'the time {what} from {t[i]:.6g} to {t[i + 1]:.6g} at line {int(lines[known[i + 1]])}: what '
+            'follows is taken '
             'as a record of its own'
         )
     if (more := int(unsure.sum()) - 3) > 0:

@@ -16,11 +16,12 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-
-from satvib_experiment.records.encoding import decode
-from satvib_experiment.records.layout import (
+from satvib_common.files.suggestions import nearest
+from satvib_common.records.encoding import decode
+from satvib_common.records.layout import (
     INFINITE,
     MISSING,
     Layout,
@@ -30,7 +31,6 @@ from satvib_experiment.records.layout import (
     number,
     split_rows,
 )
-from satvib_experiment.scenario.settings_file import nearest
 
 _BLOCK = 50_000  # rows converted at once
 _TIME = re.compile(
@@ -90,7 +90,9 @@ def read_table(
     del text
     asked = [*wanted, *([time] if time is not None else [])]
     by_name = [name for name in asked if not name.strip().isdecimal()]
-    layout = find_layout(lines, path, reading, lambda cells: bool(by_name) and set(by_name) <= set(cells))
+    layout = find_layout(
+        lines, path, reading, lambda cells: bool(by_name) and set(by_name) <= set(cells)
+    )
     positions = [_position(name, layout, path) for name in asked]
     at = positions.pop() if time is not None else _time_position(layout, positions)
     reader = _Rows(path, lines, layout, [*positions, *([at] if at >= 0 else [])])
@@ -112,7 +114,8 @@ def _position(name: str, layout: Layout, path: Path) -> int:
     if len(found) > 1:
         places = ' and '.join(str(i + 1) for i in found)
         raise SatvibError(
-            f'{path}: line {layout.header_line + 1}: the name {name!r} occurs {len(found)} times; give the number of the '
+            f'{path}: line {layout.header_line + 1}: the name {name!r} occurs {len(found)} times; give the '
+            'number of the '
             f'column instead, {places}'
         )
     if found:
@@ -131,7 +134,9 @@ def _position(name: str, layout: Layout, path: Path) -> int:
 def _time_position(layout: Layout, taken: Sequence[int]) -> int:
     """Index of the one column that is named as a time, -1 without one."""
     found = [
-        i for i, name in enumerate(layout.header) if i not in taken and _TIME.fullmatch(name.strip())
+        i
+        for i, name in enumerate(layout.header)
+        if i not in taken and _TIME.fullmatch(name.strip())
     ]
     return found[0] if found else -1
 
@@ -152,7 +157,8 @@ class _Rows:
             self._source.pop()
         self._positions = positions
         self._names = [
-            layout.header[i] if i < len(layout.header) and layout.header[i] else f'column {i + 1}' for i in positions
+            layout.header[i] if i < len(layout.header) and layout.header[i] else f'column {i + 1}'
+            for i in positions
         ]
         self.again: list[int] = []
         self.infinite = 0
@@ -166,11 +172,9 @@ class _Rows:
         """
         rows = 0
         blocks: list[list[Array]] = []
-        numbers: list[Array] = []
         source = iter(split_rows(self._source, self._layout.separator))
         for block in self._blocks(source):
             widths = set(map(len, block))
-            at = np.arange(rows, rows + len(block))
             if not widths <= {self._layout.width, 0}:
                 for row, cells in enumerate(block):
                     self._check_width(cells, rows + row)
@@ -179,11 +183,10 @@ class _Rows:
                 timed = with_time and i == len(self._positions) - 1
                 columns.append(self._column(block, position, self._names[i], rows, timed))
             blocks.append(columns)
-            numbers.append(at)
             rows += len(block)
         if not rows:
             raise SatvibError(f'{self._path}: no data after the header line')
-        self.lines = np.concatenate(numbers) + self._layout.first + 1
+        self.lines = np.arange(rows) + (self._layout.first + 1.0)
         return [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
 
     def _blocks(self, source: Iterator[list[str]]) -> Iterator[list[list[str]]]:
@@ -216,21 +219,34 @@ class _Rows:
         hint = ''
         if width > expected and self._layout.separator == ',':
             hint = '; decimal commas between commas cannot be told apart: export with another separator'
-        raise SatvibError(f'{self._path}: line {self._line(row)}: the row has {width} cells, {what}{hint}')
+        raise SatvibError(
+            f'{self._path}: line {self._line(row)}: the row has {width} cells, {what}{hint}'
+        )
 
-    def _column(self, block: list[list[str]], position: int, name: str, rows: int, timed: bool) -> Array:
+    def _column(
+        self, block: list[list[str]], position: int, name: str, rows: int, timed: bool
+    ) -> Array:
         cells = [row[position] if position < len(row) else '' for row in block]
         joined = '\n'.join(cells)
         decimal = self._layout.decimal
         plain = '_' not in joined and (decimal == '.' or '.' not in joined) and joined.isascii()
         if plain:
             try:
-                values = np.array(list(map(float, (joined.replace(',', '.') if decimal == ',' else joined).split('\n'))))
+                values = np.array(
+                    list(
+                        map(
+                            float,
+                            (joined.replace(',', '.') if decimal == ',' else joined).split('\n'),
+                        )
+                    )
+                )
             except ValueError:
                 values = None
             if values is not None and np.isfinite(values).all():
                 return values
-        return np.array([self._cell(text, block[i], name, rows + i, timed) for i, text in enumerate(cells)])
+        return np.array(
+            [self._cell(text, block[i], name, rows + i, timed) for i, text in enumerate(cells)]
+        )
 
     def _cell(self, text: str, row: list[str], name: str, at: int, timed: bool) -> float:
         text = text.strip()
@@ -248,7 +264,9 @@ class _Rows:
             if at not in self.again:
                 self.again.append(at)
             return math.nan
-        raise SatvibError(f'{self._path}: line {self._line(at)}: {name} is {text[:60]!r}, not a number')
+        raise SatvibError(
+            f'{self._path}: line {self._line(at)}: {name} is {text[:60]!r}, not a number'
+        )
 
     def _repeats_header(self, row: list[str]) -> bool:
         cells = [cell.strip() for cell in row]
@@ -263,7 +281,9 @@ def seconds(text: str) -> float | None:
         hours, minutes, rest = clock.groups()
         return 3600.0 * float(hours or 0) + 60.0 * float(minutes) + float(rest.replace(',', '.'))
     try:
-        return (datetime.fromisoformat(text).replace(tzinfo=None) - datetime(1970, 1, 1)).total_seconds()  # noqa: DTZ001
+        return (
+            datetime.fromisoformat(text).replace(tzinfo=None) - datetime(1970, 1, 1)
+        ).total_seconds()
     except ValueError:
         return None
 

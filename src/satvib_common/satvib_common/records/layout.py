@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from satvib_common.errors import SatvibError
 
@@ -93,8 +93,8 @@ def number(cell: str, decimal: str) -> float | None:
     return float(cell.replace(',', '.').replace('d', 'e').replace('D', 'e'))
 
 
-def split_rows(lines: Sequence[str], separator: str) -> 'csv.Reader | list[list[str]]':
-    """Split lines into cells, lazily."""
+def split_rows(lines: Sequence[str], separator: str) -> Any:
+    """Split lines into cells: a reader of the csv module, or a list for runs of blanks."""
     if separator == BLANKS:
         return [[cell.strip('"') for cell in line.split()] for line in lines]
     return csv.reader(lines, delimiter=separator, skipinitialspace=True)
@@ -125,7 +125,12 @@ def find_layout(
     start, reading, labview = _preamble(lines, reading)
     lined = lines[start:]
     # digits make no difference to how a line is split
-    skeletons = '\n'.join(lined).encode('utf-8', 'surrogatepass').translate(None, b'0123456789').split(b'\n')
+    skeletons = (
+        '\n'.join(lined)
+        .encode('utf-8', 'surrogatepass')
+        .translate(None, b'0123456789')
+        .split(b'\n')
+    )
     example = dict(zip(reversed(skeletons), reversed(lined), strict=True))
     common = [(example[s], count) for s, count in Counter(skeletons).most_common(_SKELETONS) if s]
     separator, decimal, width = _best(common, path, reading)
@@ -133,7 +138,9 @@ def find_layout(
         s: _shape(line, separator, decimal)[2] for s, line in example.items()
     }
     run = _first_run([known[s] for s in skeletons])
-    header_line = next((i for i in range(run - 1, -1, -1) if names(cells_of(lined[i], separator))), -1)
+    header_line = next(
+        (i for i in range(run - 1, -1, -1) if names(cells_of(lined[i], separator))), -1
+    )
     if header_line < 0:
         above = [i for i in range(run - 1, max(run - 1 - _UNITS, -1), -1) if lined[i].strip()]
         header_line = next((i for i in above if len(cells_of(lined[i], separator)) >= width > 1
@@ -146,8 +153,25 @@ def find_layout(
         header.pop()
     first = _after_units(lined, header_line, known, skeletons, notes, start)
     if labview and header[-1:] == ['Comment']:
-        return Layout(separator, decimal, tuple(header), start + header_line, start + first, len(header), True, notes)
-    return Layout(separator, decimal, tuple(header), start + header_line, start + first, len(header), notes=notes)
+        return Layout(
+            separator,
+            decimal,
+            tuple(header),
+            start + header_line,
+            start + first,
+            len(header),
+            True,
+            notes,
+        )
+    return Layout(
+        separator,
+        decimal,
+        tuple(header),
+        start + header_line,
+        start + first,
+        len(header),
+        notes=notes,
+    )
 
 
 def _preamble(lines: Sequence[str], reading: Reading) -> tuple[int, Reading, bool]:
@@ -215,7 +239,9 @@ def _best(common: list[tuple[str, int]], path: Path, reading: Reading) -> tuple[
                 if score > best:
                     best, choice = score, (separator, decimal, width)
     if not best[0]:
-        raise SatvibError(f'{path}: no data: no line is a row of numbers; give --separator, --decimal and --skip')
+        raise SatvibError(
+            f'{path}: no data: no line is a row of numbers; give --separator, --decimal and --skip'
+        )
     return choice
 
 
@@ -230,12 +256,19 @@ def _first_run(flags: list[bool]) -> int:
 
 
 def _after_units(
-    lines: Sequence[str], header: int, known: dict[bytes, bool], skeletons: list[bytes], notes: list[str], start: int
+    lines: Sequence[str],
+    header: int,
+    known: dict[bytes, bool],
+    skeletons: list[bytes],
+    notes: list[str],
+    start: int,
 ) -> int:
     """First line after a header that may be data; rows of units are passed over, and said."""
     first = header + 1
     while first < len(lines) and first <= header + _UNITS and not known[skeletons[first]]:
         if lines[first].strip():
-            notes.append(f'line {start + first + 1} holds no numbers and was taken for units: {lines[first].strip()[:60]}')
+            notes.append(
+                f'line {start + first + 1} holds no numbers and was taken for units: {lines[first].strip()[:60]}'
+            )
         first += 1
     return first
