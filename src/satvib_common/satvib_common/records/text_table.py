@@ -162,7 +162,7 @@ class _Rows:
         ]
         self.again: list[int] = []
         self.infinite = 0
-        self.lines = np.zeros(0)
+        self.lines: Array = np.zeros(0)
 
     def read(self, with_time: bool) -> list[Array]:
         """Give the columns; the last one is a time where `with_time`.
