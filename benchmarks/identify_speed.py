@@ -77,7 +77,7 @@ def main():
 
 
 def _text(folder, y, u):
-    from satvib_experiment.records.record import text_record
+    from satvib_common.records.record import text_record
 
     path = folder / 'long.csv'
     t = np.arange(len(y)) * 0.01

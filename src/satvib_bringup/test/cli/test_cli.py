@@ -131,14 +131,18 @@ def test_bad_input_is_one_line_and_exit_2(satvib, tmp_path):
 
 
 @pytest.mark.skipif(not ROBOT.is_file(), reason='the measured records are not here')
-@pytest.mark.parametrize(('order', 'fit'), [(2, '0.9085'), (4, '0.9967'), (6, '0.9986')])
-def test_identify_the_robot_arm(satvib, tmp_path, order, fit):
-    """Truth: batch least squares, from the data's own page, four digits; the saved model has the printed numbers."""
+@pytest.mark.parametrize(
+    ('order', 'fit', 'exit_code'), [(2, '0.9085', 3), (4, '0.9967', 0), (6, '0.9986', 0)]
+)
+def test_identify_the_robot_arm(satvib, tmp_path, order, fit, exit_code):
+    """Truth: batch least squares, from the data's own page, four digits; two poles run free with a fit of 0.12, so that
+    model is not to be trusted.
+    """
     code, out, err = satvib(
         'identify', ROBOT, '--input', 'torque', '--output', 'acceleration', '--order', order,
         '--save', 'model.yaml',
     )  # fmt: skip
-    assert code == 0, err
+    assert code == exit_code, err
     assert f'one step {fit}' in out
     assert (tmp_path / 'model.yaml').is_file()
 
@@ -200,14 +204,14 @@ def test_a_bad_csv_is_one_line_and_exit_2(satvib, tmp_path):
         return satvib('identify', path, '--input', 'u', '--output', 'y')
 
     refused(identify(''), 'record.csv: is empty')
-    refused(identify('u,y\n'), 'no data after the header')
+    refused(identify('u,y\n'), 'no data')
     refused(identify('u,z\n1,2\n'), "no column 'y'", 'known: u, z')
     refused(identify('u,y\n1,2\n3,four\n'), 'line 3', "'four', not a number")
-    refused(identify('u,y\n1,2\n3\n'), 'line 3', 'y is missing')
-    refused(identify('u,y\n1,nan\n'), 'line 2', 'not a finite number')
+    refused(identify('u,y\n1,2\n3\n'), 'line 3', 'the row has 1 cells, the header 2')
+    refused(identify('u,y\n1,nan\n'), '1 of 1 rows lack a value')
     refused(identify('u,y\n1,2\n2,3\n'), 'too few')
     refused(satvib('identify', path), 'name the columns')
     refused(identify('u,y\n' + '1,2\n' * 50), 'never changes')
     refused(satvib('identify', tmp_path / 'no.csv', '--input', 'u', '--output', 'y'), 'no.csv')
     path.write_bytes(b'\xff\xfe\x00\x01')
-    refused(satvib('identify', path, '--input', 'u', '--output', 'y'), 'cannot be read as CSV')
+    refused(satvib('identify', path, '--input', 'u', '--output', 'y'), 'no data')

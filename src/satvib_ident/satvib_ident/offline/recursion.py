@@ -17,6 +17,7 @@ from satvib_ident.estimators import instrumental as instrumental_module
 from satvib_ident.estimators import least_squares as least_squares_module
 from satvib_ident.estimators.extended import ExtendedLeastSquares
 from satvib_ident.estimators.instrumental import InstrumentalVariable
+from satvib_ident.estimators.least_squares import Tally
 from satvib_ident.offline.compressed import Progress, quiet
 
 BLOCK = 50_000  # samples between two signs of life
@@ -80,17 +81,17 @@ def _extended_loop(y, late, limit, theta, U, d, tally, residual, peak, past, dri
 
 
 @kernel(
-    'void(f8[:], f8[:], f8, f8[:], f8[:,:], f8[:], f8[:], f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:],'
+    'void(f8[:], f8[:], f8, f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:],'
     'f8[:,:], f8[:], f8[:], f8[:,:], f8[:], f8[:], b1[:])',
-    '(t),(t),(),(q),(q,q),(q),(s),(c),(o),(p),(p,p),(p),(s),(p),(k,n),(h),(o),(p,r),(n),(m)->()',
+    '(t),(t),(),(v),(q),(q,q),(q),(s),(c),(o),(p),(p,p),(p),(s),(p),(k,n),(h),(o),(p,r),(n),(m)->()',
     writable=(
         'helper_theta', 'helper_U', 'helper_d', 'helper_tally', 'residual', 'peak', 'theta', 'U', 'd', 'tally', 'model',
         'memory', 'uf', 'age', 'R', 'past', 'drive',
     ),
 )  # fmt: skip
 def _instrumental_loop(
-    y, late, limits, helper_theta, helper_U, helper_d, helper_tally, residual, peak, theta, U, d, tally, model, memory,
-    uf, age, R, past, drive, done,
+    y, late, limits, settings, helper_theta, helper_U, helper_d, helper_tally, residual, peak, theta, U, d, tally,
+    model, memory, uf, age, R, past, drive, done,
 ):  # fmt: skip
     p = theta.shape[0]
     q = helper_theta.shape[0]
@@ -103,7 +104,6 @@ def _instrumental_loop(
         np.empty(1, dtype=np.bool_),
     )
     work = np.empty((p, p + 1))
-    settings = np.array([6.0 * p, 20.0])
     for k in range(y.shape[0]):
         full, known = _regressor(y[k], late[k], past, drive, w)
         if not full:
@@ -118,14 +118,14 @@ def _instrumental_loop(
         )  # fmt: skip
         latest = helper_theta[:p]
         _filter_one(
-            w, target, latest, helper_tally, one[0], flag[0], settings, theta, model, memory, uf, age, z, wf,
-            other[0:1], other[1:2], used,
+            w, target, latest, helper_tally[Tally.UPDATES], one[0], flag[0], settings, theta, model, memory, uf, age, z,
+            wf, other[0:1], other[1:2], used,
         )  # fmt: skip
         use = used[0]
         _learn_one(z, other[1], one[1], limits, use, theta, U, d, tally, gain, other[2:3], used)
         _solve_one(
-            z, wf, other[0], other[2], used[0], latest, tally, settings, theta, R, work, solved
-        )
+            z, wf, other[0], other[2], used[0], latest, tally[Tally.UPDATES], settings, theta, R, work, solved
+        )  # fmt: skip
     done[0] = True
 
 
@@ -164,8 +164,8 @@ class RecordEstimator:
             if isinstance(e, InstrumentalVariable):
                 h = e.auxiliary
                 _instrumental_loop(
-                    y[part], late[part], e.limit, h.theta, h.U, h.d, h.tally, h._residual, h._peak, e.theta, e.U, e.d,  # noqa: SLF001
-                    e.tally, e.model, e._past, e._uf, e._age, e._R, self._past, self._drive,  # noqa: SLF001
+                    y[part], late[part], e.limit, e._settings, h.theta, h.U, h.d, h.tally, h._residual, h._peak,  # noqa: SLF001
+                    e.theta, e.U, e.d, e.tally, e.model, e._past, e._uf, e._age, e._R, self._past, self._drive,  # noqa: SLF001
                 )  # fmt: skip
             else:
                 _extended_loop(
