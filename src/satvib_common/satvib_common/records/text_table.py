@@ -186,7 +186,7 @@ class _Rows:
             rows += len(block)
         if not rows:
             raise SatvibError(f'{self._path}: no data after the header line')
-        self.lines = np.arange(rows) + (self._layout.first + 1.0)
+        self.lines = np.arange(rows, dtype=np.float64) + (self._layout.first + 1.0)
         return [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
 
     def _blocks(self, source: Iterator[list[str]]) -> Iterator[list[list[str]]]:
