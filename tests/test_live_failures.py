@@ -155,7 +155,7 @@ def test_two_graphs_do_not_share_a_domain(tmp_path, start, probe):
     except SatvibError as error:
         code, message = 2, str(error)
     assert code == 2
-    assert 'a satvib graph is already alive here (strut_1/strut_controller)' in message
+    assert 'a satvib graph is already running here (strut_1/strut_controller)' in message
 
 
 def test_an_existing_folder_is_refused(tmp_path):

@@ -47,12 +47,12 @@ class ProgressView:
         self._progress = Progress(
             TextColumn('[bold]{task.description}'),
             BarColumn(bar_width=24),
-            TextColumn('{task.fields[told]}'),
+            TextColumn('{task.fields[status]}'),
             TimeElapsedColumn(),
             console=console,
             transient=True,
         )
-        self._task = self._progress.add_task(title, total=end, told='')
+        self._task = self._progress.add_task(title, total=end, status='')
         self._phase: Phase | None = None
         self._logged = -math.inf
         self._started = time.monotonic()
@@ -72,14 +72,14 @@ class ProgressView:
 
     def update(self, phase: Phase, now: float, attenuation: Iterable[float]) -> None:
         """Show where the run stands; `now` in s of the run, attenuation in dB per strut."""
-        told = f'{phase.name:<9} {now:6.2f} of {self._end:g} s'
+        status = f'{phase.name:<9} {now:6.2f} of {self._end:g} s'
         values = [float(a) for a in attenuation]
         if any(map(math.isfinite, values)) and phase is Phase.CONTROL:
-            told += '   ' + ' / '.join(decibels(a) for a in values) + ' dB'
+            status += '   ' + ' / '.join(decibels(a) for a in values) + ' dB'
         if self._live:
-            self._progress.update(self._task, completed=now, told=told)
+            self._progress.update(self._task, completed=now, status=status)
         elif phase is not self._phase or now >= self._logged + _LOG_EVERY:
-            self._console.print(f'{self._title}: {told}')
+            self._console.print(f'{self._title}: {status}')
             self._logged = now
         self._phase = phase
 

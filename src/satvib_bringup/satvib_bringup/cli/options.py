@@ -28,7 +28,7 @@ Folder = Annotated[
     typer.Option(
         '--folder',
         '--record',
-        help='Folder of the run, made anew. Without it: runs/NAME-NUMBER.',
+        help='New folder of the run. Without it: runs/NAME-NUMBER.',
         metavar='DIR',
     ),
 ]

@@ -30,12 +30,12 @@ from satvib_bringup.recorder.check import complaint, read_report
 from satvib_bringup.recorder.salvage import is_finished, salvage
 
 # s
-_LOOK_AROUND = 0.4  # for a graph that is alive on this domain to show itself
+_LOOK_AROUND = 0.4  # to find a graph that is running on this domain
 _START = 60.0  # for all processes to be there, on a busy machine and with cold caches
 _POLL = 0.02
 _REPORT = 0.15
 _PATIENCE = {Stage.SOURCE: 2.0, Stage.CONTROLLER: 5.0, Stage.IDENTIFIER: 15.0, Stage.RECORDER: 30.0}
-_IMPATIENCE = 1.5  # more than the second for which a node waits for a reader that is dead
+_IMPATIENCE = 1.5  # more than the second for which a node waits for a reader that has ended
 
 
 def run_experiment(
@@ -57,7 +57,7 @@ def run_experiment(
         cancel: set it to end the run early.
 
     Returns:
-        How it ended; `success` is false when a process died, when it was interrupted, or when messages were lost.
+        How it ended; `success` is false after an early end of a process, an interruption, or lost messages.
 
     Raises:
         SatvibError: nothing was started: the folder, the domain, the workspace, the parameters.
@@ -86,7 +86,7 @@ def _foreign_message(others: list[str]) -> str:
     domain = os.environ.get('ROS_DOMAIN_ID', '0')
     named = ', '.join(others[:3]) + (', ...' if len(others) > 3 else '')
     return (
-        f'domain {domain}: a satvib graph is already alive here ({named}); stop it, or set '
+        f'domain {domain}: a satvib graph is already running here ({named}); stop it, or set '
         'another ROS_DOMAIN_ID'
     )
 
@@ -155,7 +155,7 @@ class _Run:
         """Wait until every node is there and every topic has its writer and its readers."""
         deadline = time.monotonic() + _START
         while missing := observer.missing():
-            self._look_for_the_dead(supervisor)
+            self._has_ended(supervisor)
             if foreign_nodes := observer.discovery.foreign_nodes():
                 raise _EndedError(_foreign_message(foreign_nodes), 2)
             if time.monotonic() > deadline:
@@ -171,7 +171,7 @@ class _Run:
     ) -> None:
         """Until the plant ends."""
         report_at = 0.0
-        while not self._look_for_the_dead(supervisor):
+        while not self._has_ended(supervisor):
             now = time.monotonic()
             if now >= report_at:
                 report_at = now + _REPORT
@@ -180,11 +180,11 @@ class _Run:
                     self.samples = seen.sequence + 1
                     if progress is not None:
                         progress(seen)
-            self._kill_the_doomed(supervisor, observer)
+            self._kill_as_planned(supervisor, observer)
             time.sleep(_POLL)
 
-    def _kill_the_doomed(self, supervisor: Supervisor, observer: Observer) -> None:
-        """Kill whom the scenario wants dead by now."""
+    def _kill_as_planned(self, supervisor: Supervisor, observer: Observer) -> None:
+        """Kill the processes that the scenario kills by now."""
         left = [(k, name) for k, name in self.graph.kills if name not in self.killed]
         if not left:
             return
@@ -194,7 +194,7 @@ class _Run:
                 self.killed.add(name)
                 supervisor.kill(name)
 
-    def _look_for_the_dead(self, supervisor: Supervisor) -> bool:
+    def _has_ended(self, supervisor: Supervisor) -> bool:
         """Whether the plant has ended as it should.
 
         Raises:
@@ -216,7 +216,7 @@ class _Run:
             names = [p.full_name for p in self.graph.processes if p.stage == stage]
             for exit_ in supervisor.stop(names, _PATIENCE[stage]):
                 if exit_.code != 0:
-                    raise _EndedError(f'{exit_} (when it was told to stop)', 1, exit_)
+                    raise _EndedError(f'{exit_} (after the request to stop)', 1, exit_)
 
     def _failed(self, supervisor: Supervisor, ended: '_EndedError') -> Outcome:
         """Stop what is left, the recorder last, and save the recording."""
@@ -235,12 +235,12 @@ class _Run:
     def _outcome(self, wrong: str, code: int) -> Outcome:
         plan, period = self.graph.plan, self.graph.sample_period
         speed = self.samples * period / self.wall_time if self.wall_time else 0.0
-        told = wrong or (
+        message = wrong or (
             f'{plan.end} samples of {len(self.graph.struts)} struts in {self.wall_time:.1f} s, '
             f'{speed:.1f} times real time'
         )
         return Outcome(
-            not wrong, code, told, self.folder, self.bag, self.graph.struts, self.samples,
+            not wrong, code, message, self.folder, self.bag, self.graph.struts, self.samples,
             self.wall_time, read_report(self.folder),
         )  # fmt: skip
 

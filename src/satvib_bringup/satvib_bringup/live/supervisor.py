@@ -3,7 +3,7 @@
 """Starts, watches and stops processes, and leaves no orphan.
 
 Every child has a session of its own, so that Ctrl-C at the terminal reaches the runner alone, which then stops the
-children in order. The kernel sends a child SIGTERM when the runner dies, however it dies (PR_SET_PDEATHSIG); a node
+children in order. The kernel sends a child SIGTERM when the runner ends, however it ends (PR_SET_PDEATHSIG); a node
 that gets it ends by itself, at 0 V and with its files closed.
 """
 
@@ -60,7 +60,7 @@ class _Child:
     popen: subprocess.Popen[bytes]
     log: Path
     sink: IO[bytes]
-    told: bool = False
+    reported: bool = False
 
 
 class Supervisor:
@@ -103,7 +103,7 @@ class Supervisor:
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
                 env=None if self.environment is None else dict(self.environment),
-                preexec_fn=_die_with(os.getpid()),
+                preexec_fn=_end_with(os.getpid()),
             )
         except OSError as error:
             sink.close()
@@ -113,7 +113,7 @@ class Supervisor:
         self._children[name] = _Child(name, popen, log, sink)
         return popen.pid
 
-    def alive(self, name: str) -> bool:
+    def is_running(self, name: str) -> bool:
         """Whether a process is running."""
         return self._children[name].popen.poll() is None
 
@@ -126,13 +126,13 @@ class Supervisor:
         found = []
         for child in self._children.values():
             code = child.popen.poll()
-            if code is not None and not child.told:
-                child.told = True
+            if code is not None and not child.reported:
+                child.reported = True
                 found.append(Exit(child.name, code, last_line(child.log)))
         return sorted(found, key=lambda ending: ending.code)
 
     def kill(self, name: str) -> None:
-        """Kill a process, as the scenario wants it; it is reported by `ended` like any other."""
+        """Kill a process, as the scenario asks; it is reported by `ended` like any other."""
         _signal(self._children[name], signal.SIGKILL)
 
     def stop(self, names: Iterable[str], patience: float) -> list[Exit]:
@@ -151,7 +151,7 @@ class Supervisor:
                 _signal(child, signal.SIGKILL)
                 child.popen.wait()
         for child in running:
-            child.told = True
+            child.reported = True
         return [Exit(c.name, c.popen.returncode, last_line(c.log)) for c in running]
 
 
@@ -160,13 +160,13 @@ def _signal(child: _Child, number: signal.Signals) -> None:
         os.killpg(child.popen.pid, number)
 
 
-def _die_with(parent: int) -> Callable[[], Any]:
-    """Make what a child does before it becomes the program: ask to be told when its parent dies."""
+def _end_with(parent: int) -> Callable[[], Any]:
+    """Make what a child does before it becomes the program: ask for SIGTERM when its parent ends."""
     prctl, sigterm = _LIBC.prctl, int(signal.SIGTERM)
 
     def before() -> None:
         prctl(_PR_SET_PDEATHSIG, sigterm, 0, 0, 0)
-        if os.getppid() != parent:  # it died before it could be told
+        if os.getppid() != parent:  # the parent ended before the request
             os._exit(1)
 
     return before

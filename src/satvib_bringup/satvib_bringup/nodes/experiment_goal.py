@@ -56,13 +56,13 @@ class ExperimentGoal:
         self.progress: Progress | None = None
         self._cancel = threading.Event()
         arguments = (scenario, tuple(overrides), realtime, folder, runs)
-        # the children of a run die with the thread that started them, so it stays until they are gone
+        # the processes of a run end with the thread that started them, so it stays until they are gone
         self._thread = threading.Thread(target=self._work, args=arguments, name='experiment')
         self._thread.start()
 
     @property
     def cancelled(self) -> bool:
-        """Whether it was told to end early."""
+        """Whether it was asked to end early."""
         return self._cancel.is_set()
 
     def done(self) -> bool:
@@ -84,7 +84,7 @@ class ExperimentGoal:
             self._run(name, overrides, realtime, folder, runs)
         except (SatvibError, RunError) as error:
             self.result.message = str(error)
-        except Exception as error:  # noqa: BLE001 - the client must hear of it, whatever it is
+        except Exception as error:  # noqa: BLE001 - the client gets every error
             self.result.message = f'{type(error).__name__}: {error}'
 
     def _run(

@@ -29,7 +29,7 @@ class ExperimentParameters(Schema):
 
 
 class ExperimentNode(SatvibNode[ExperimentParameters]):
-    """Runs experiments for others."""
+    """Runs experiments on request."""
 
     def __init__(self) -> None:
         super().__init__('experiment', ExperimentParameters)
@@ -39,7 +39,7 @@ class ExperimentNode(SatvibNode[ExperimentParameters]):
         self.goal: ExperimentGoal | None = None
         self.client: ServerGoalHandle | None = None
         self.over: Future = Future()
-        self.told: Progress | None = None
+        self.reported: Progress | None = None
 
     def activate(self) -> None:
         """Offer the action."""
@@ -71,12 +71,12 @@ class ExperimentNode(SatvibNode[ExperimentParameters]):
         return '', {'running': self.goal is not None}
 
     def tick(self) -> float:
-        """Pass on what the run's thread has to tell."""
+        """Publish the progress that the run's thread reports."""
         goal, client = self.goal, self.client
         if goal is None or client is None:
             return 0.1
-        if goal.progress is not None and goal.progress is not self.told:
-            self.told = goal.progress
+        if goal.progress is not None and goal.progress is not self.reported:
+            self.reported = goal.progress
             client.publish_feedback(_feedback(goal.progress))
         if goal.done() and not self.over.done():
             self.over.set_result(None)
@@ -97,7 +97,7 @@ class ExperimentNode(SatvibNode[ExperimentParameters]):
     async def _execute(self, handle: ServerGoalHandle) -> RunExperiment.Result:
         request = handle.request
         self.over = Future()
-        self.told = None
+        self.reported = None
         self.goal = goal = ExperimentGoal(
             request.scenario,
             request.overrides,

@@ -55,7 +55,7 @@ class RecorderNode(SatvibNode[RecorderParameters]):
             self.listen_to(Schedule, 'schedule', self._on_schedule, wanted(whole=True))
 
     def deactivate(self) -> None:
-        """Close the bag and tell what is in it."""
+        """Close the bag and report what is in it."""
         for channel, message in self.early:
             self.sink.put(channel, self.newest or time.time_ns(), message)
         self.sink.close()
@@ -67,7 +67,7 @@ class RecorderNode(SatvibNode[RecorderParameters]):
         self.get_logger().info(f'{count} messages of {len(report)} topics in {self.sink.folder}')
 
     def pause(self) -> float:
-        """Nobody waits for the recorder, and writers keep a second's worth."""
+        """No node waits for the recorder, and writers keep the samples of a second."""
         return _GATHER
 
     def sources_left(self) -> bool:

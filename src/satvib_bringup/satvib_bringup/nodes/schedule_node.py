@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node `schedule`: publishes the schedule of a scenario.
 
-It sets a graph going that was started by hand or by the launch file; `satvib run` does that itself. In lockstep nothing
-is lost when a node comes late, and it publishes at once; with `realtime` it waits until all have found one another.
+It starts the run of a graph that was started by hand or by the launch file; `satvib run` does that itself. In lockstep
+nothing is lost when a node comes late, and it publishes at once. With `realtime` it waits until all nodes have found
+each other.
 """
 
 import time
@@ -39,7 +40,7 @@ class ScheduleParameters(Schema):
 
 
 class ScheduleNode(SatvibNode[ScheduleParameters]):
-    """Publishes once and stays, for whoever comes later."""
+    """Publishes once and stays, for nodes that start later."""
 
     def __init__(self) -> None:
         super().__init__('schedule', ScheduleParameters)
@@ -54,7 +55,7 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
         self.waits = False
 
     def activate(self) -> None:
-        """Publish, or listen who is there."""
+        """Publish, or wait for the others."""
         self.waits = self.parameters.realtime
         self.deadline = time.monotonic() + _PATIENCE
         if self.waits:
@@ -63,7 +64,7 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
             self._publish()
 
     def tick(self) -> float:
-        """Publish as soon as nobody lacks anybody."""
+        """Publish as soon as all nodes have found each other."""
         if not self.waits:
             return super().tick()
         missing = self.discovery.missing()
@@ -78,7 +79,7 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
         return super().tick()
 
     def diagnose(self) -> tuple[str, dict[str, object]]:
-        """Say whom it waits for."""
+        """Report what it waits for."""
         missing = self.discovery.missing() if self.waits else []
         return f'waiting for {missing[0]}' if missing else '', {}
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a rosbag2 bag (MCAP) from a thread of its own, so that nobody waits for the disk.
+"""Writes a rosbag2 bag (MCAP) from a thread of its own, so that no node waits for the disk.
 
 Five times a second what has been written is closed into a chunk and handed to the operating system: a recorder that is
 killed loses a fifth of a second, and `salvage` makes a bag of the rest.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Is the recording of a run complete?
+"""Whether the recording of a run is complete.
 
 Of every sample there is exactly one acceleration, voltage, controller state and truth per strut. A model is there for
 every sample of a phase in which it is estimated and for every sample before a hand-over, and nowhere else.
@@ -14,7 +14,7 @@ from satvib_common.phases import Phase, PhasePlan
 
 REPORT = 'recording.json'
 # what ends with a controller that is killed; the last model waits for a voltage that will not come
-_OF_THE_DEAD = frozenset({'voltage', 'controller_state', 'identified_model'})
+_OF_THE_KILLED = frozenset({'voltage', 'controller_state', 'identified_model'})
 
 
 def expected_models(plan: PhasePlan, phases: frozenset[Phase], period: int) -> int:
@@ -59,7 +59,7 @@ def complaint(
         for name, count in wanted.items():
             topic = f'/{strut}/{name}'
             found = report.get(topic, {'count': 0})
-            if strut in silenced and name in _OF_THE_DEAD:
+            if strut in silenced and name in _OF_THE_KILLED:
                 if not 0 < found['count'] <= count:
                     return _miscounted(found, topic, f'1 to {count}')
                 continue

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the recorder is told, and what it keeps of a topic."""
+"""Parameters of the recorder, and what it keeps of a topic."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -55,7 +55,7 @@ def test_a_killed_process_is_told_by_its_signal_and_before_the_others(supervisor
     pid = supervisor.start('killed', python(READY + 'signal.pause()'))
     wait_for(is_ready(supervisor, 'killed'))
     os.kill(pid, signal.SIGKILL)
-    wait_for(lambda: not supervisor.alive('killed') and not supervisor.alive('fails'))
+    wait_for(lambda: not supervisor.is_running('killed') and not supervisor.is_running('fails'))
     ended = supervisor.ended()
     assert [e.name for e in ended] == ['killed', 'fails']
     assert ended[0].how == 'was killed by SIGKILL'

@@ -9,7 +9,7 @@ from satvib_experiment.analysis.evaluation import Evaluation
 from satvib_experiment.recording.recording import Recording
 
 # measured and true attenuation that differ by more than this are worth a sentence
-HONESTY = 3.0
+APART = 3.0
 
 # dB; less is no change
 _NOTABLE = 0.1
@@ -18,9 +18,9 @@ _NAMES = {'rms': 'RMS', 'tone': 'tone'}
 
 
 def notes_for(recording: Recording, evaluation: Evaluation) -> list[str]:
-    """Sentences about a run, the weightiest first."""
+    """Sentences about a run, the most important first."""
     return [
-        *_honesty(evaluation),
+        *_apart(evaluation),
         *_worse(evaluation),
         *_limits(evaluation),
         *_reasons(recording),
@@ -29,13 +29,13 @@ def notes_for(recording: Recording, evaluation: Evaluation) -> list[str]:
     ]
 
 
-def _honesty(evaluation: Evaluation) -> list[str]:
-    """Say where the loop's own samples tell another story than the truth between them."""
+def _apart(evaluation: Evaluation) -> list[str]:
+    """Name the struts whose measured attenuation is not the true one."""
     sentences = []
     for name, word in _NAMES.items():
         measured = evaluation.attenuation[f'measured_{name}']
         true = evaluation.attenuation[f'true_{name}']
-        apart = np.abs(measured - true) > HONESTY
+        apart = np.abs(measured - true) > APART
         if not np.any(apart):
             continue
         pairs = '; '.join(
@@ -43,14 +43,14 @@ def _honesty(evaluation: Evaluation) -> list[str]:
             for i in np.flatnonzero(apart)
         )
         optimistic = np.all(measured[apart] < true[apart])
-        verdict = (
-            'The loop believes itself better than it is'
+        meaning = (
+            'The samples show more attenuation than there is'
             if optimistic
             else "The loop's own samples do not show what happens between them"
         )
         sentences.append(
-            f'Measured and true attenuation of the {word} differ by more than {HONESTY:.0f} dB: '
-            f'{pairs}. {verdict}; judge by the true figures.'
+            f'Measured and true attenuation of the {word} differ by more than {APART:.0f} dB: '
+            f'{pairs}. {meaning}; judge by the true figures.'
         )
     return sentences
 
@@ -85,7 +85,7 @@ def _limits(evaluation: Evaluation) -> list[str]:
     return [
         (
             f'The voltage guard stepped in on up to {100 * np.nanmax(share):.0f} % of the samples '
-            'under control; the law was not free to do what it wanted.'
+            'under control; the law did not get the voltage that it asked for.'
         )
     ]
 

@@ -11,7 +11,7 @@ from satvib_experiment.recording.recording import Recording
 
 Span = tuple[float, float]
 
-# of an automatic window's phase, the part that is left to die out first
+# of an automatic window's phase, the first part, which is left out while the vibration settles
 _SETTLING = 0.4
 _SILENT = (Phase.STANDBY, Phase.CALIBRATE)
 

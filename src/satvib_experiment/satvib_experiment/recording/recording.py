@@ -4,7 +4,7 @@
 
 A recording has one group of arrays per topic, named after it (`identified_model` is `model`, `controller_state` is
 `state`), and one array per field of its message, named as in the message: `recording.get('acceleration', 'upper')` is
-(samples, struts), `recording.get('model', 'a')` is (samples, struts, n). `present` tells where a message was.
+(samples, struts), `recording.get('model', 'a')` is (samples, struts, n). `present` marks where a message was.
 """
 
 import json
@@ -190,7 +190,7 @@ def load_npz(path: Path) -> Recording:
 def differences(first: Recording, second: Recording) -> list[str]:
     """Where two recordings differ in a single bit, one line per field; empty when they are the same.
 
-    Stamps and what tells about the machine are left out; models are compared on the samples that both have.
+    Stamps and what describes the machine are left out; models are compared on the samples that both have.
     """
     if first.sequence.shape != second.sequence.shape:
         return [f'{len(first.sequence)} samples against {len(second.sequence)}']

@@ -43,7 +43,7 @@ class Context:
         return fine(self.recording, window, plate)
 
     def measured(self, window: slice = slice(None)) -> Array:
-        """Upper acceleration as sampled, without the bias learnt in CALIBRATE (samples, struts), m/s^2."""
+        """Upper acceleration as sampled, without the bias of CALIBRATE (samples, struts), m/s^2."""
         return without_bias(self.recording, window)
 
     def span(self, phase: Phase) -> tuple[float, float] | None:

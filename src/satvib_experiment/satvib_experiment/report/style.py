@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""One look for every figure: colours that colour-blind readers tell apart, and what each of them means."""
+"""One look for every figure: colours for colour-blind readers too, and the meaning of each."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager

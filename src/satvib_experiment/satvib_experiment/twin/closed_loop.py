@@ -107,7 +107,7 @@ class ClosedLoop:
                 )
 
     def _known(self, voltage: Array) -> Array:
-        """What an identifier hears of a voltage: nothing from a controller that is dead."""
+        """The voltage as an identifier receives it: NaN from a controller that was killed."""
         if not isinstance(self.plant, FailingPlant) or not self.plant.dead.any():
             return voltage
         return np.where(self.plant.dead, np.nan, voltage)

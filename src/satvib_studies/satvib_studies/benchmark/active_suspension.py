@@ -71,7 +71,7 @@ def closed_loop(plant: asp.Plant, model: IirModel, y_open: Array) -> tuple[Array
     law = make_law('narrowband', p, 1.0 / asp.RATE, shape)
     guard = VoltageGuard(asp.LIMIT, np.inf, 1.0 / asp.RATE, shape)
     actuator = IirFilter(plant.b, plant.a, shape)
-    everybody, nan = np.ones(shape, dtype=bool), np.full(shape, np.nan)
+    every, nan = np.ones(shape, dtype=bool), np.full(shape, np.nan)
     batch = IirModel(
         np.broadcast_to(model.a, (trials, model.order)),
         np.broadcast_to(model.b, (trials, model.b.shape[-1])),
@@ -86,8 +86,8 @@ def closed_loop(plant: asp.Plant, model: IirModel, y_open: Array) -> tuple[Array
         if k >= asp.START * asp.RATE:
             phase = Phase.CONTROL
         if k == round(asp.START * asp.RATE):
-            law.set_model(batch, everybody)
-        u = law.step(LawInput(k, y[k], nan, guard.voltage, saturated, everybody), phase)
+            law.set_model(batch, every)
+        u = law.step(LawInput(k, y[k], nan, guard.voltage, saturated, every), phase)
         guarded = guard.apply(u)
         saturated = guarded.saturated
         actuator.step(guarded.voltage)

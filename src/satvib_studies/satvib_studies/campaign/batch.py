@@ -3,7 +3,8 @@
 """Runs trials as batches: what a worker does with one part of a campaign.
 
 Trials whose scenarios can run in step (same phases, identifier, controller, sample rate, struts) make one batch; their
-order and company do not change a bit of any of them. A trial that cannot run leaves a row that says why.
+neither their order nor the other trials of a batch change a bit of them. A trial that cannot run leaves a row with the
+reason.
 """
 
 from __future__ import annotations
@@ -37,12 +38,12 @@ def in_step(scenario: Scenario, rig: AnyRig) -> str:
         # one controller for all struts knows where they stand
         angle = rig.struts.first_angle if scenario.scheme == 'centralized' else 0.0
     phases = [(s.phase, s.start) for s in scenario.phases]
-    told = [
+    shared = [
         [getattr(scenario, name) for name in BATCH_SHARES if name != 'phases'], phases,
         type(rig).__name__, rig.acquisition.sample_rate, steps, angle,
         strut_count(rig),
     ]  # fmt: skip
-    return json.dumps(told, sort_keys=True)
+    return json.dumps(shared, sort_keys=True)
 
 
 def run_loop(loop: ClosedLoop) -> Columns:

@@ -21,12 +21,12 @@ from satvib_studies.campaign.store import Store
 from satvib_studies.campaign.trials import TrialPlan, plan_from, plan_trials
 from satvib_studies.campaign.workers import run_parts, software
 
-# told after every part: trials done, trials of the campaign
-Told = Callable[[int, int], None]
+# called after every part: trials done, trials of the campaign
+Progress = Callable[[int, int], None]
 
 
-def _nobody(done: int, total: int) -> None:
-    """Nobody wants to know."""
+def _silent(done: int, total: int) -> None:
+    """Report nothing."""
 
 
 def begin(campaign: Campaign, folder: Path) -> Store:
@@ -70,7 +70,7 @@ def go_on(
     store: Store,
     scheduler: str | None = None,
     workers: int | None = None,
-    told: Told = _nobody,
+    progress: Progress = _silent,
 ) -> tuple[TrialPlan, pa.Table]:
     """Run what is missing, and give the plan and the table of all trials.
 
@@ -78,19 +78,19 @@ def go_on(
         store: of `begin` or `resume`.
         scheduler: address of a Dask scheduler; None: this machine alone.
         workers: processes of this machine; None: one per core; 0: this one.
-        told: called after every part.
+        progress: called after every part.
 
     Raises:
         SatvibError: no scheduler, no room on the disk; what is finished is kept.
     """
     plan = plan_from(store.campaign, store.scenario)
     total = store.campaign.trials
-    told(store.trials_done if store.result is None else total, total)
+    progress(store.trials_done if store.result is None else total, total)
     if store.result is None:
         try:
             for index, data in run_parts(plan, store, scheduler, workers):
                 store.keep(index, data)
-                told(store.trials_done, total)
+                progress(store.trials_done, total)
         except SatvibError as error:
             raise SatvibError(f'{error}; {store.kept()}') from None
     return plan, store.finish()

@@ -101,10 +101,10 @@ class Campaign(Schema):
 
     def digest(self, scenario: dict[str, Any]) -> str:
         """Fingerprint of everything that decides the trials; `scenario` as plain data, overrides applied."""
-        told = {
+        campaign = {
             k: v for k, v in self.to_mapping().items() if k not in {'description', 'name', 'judge'}
         }
-        text = json.dumps([told, scenario], sort_keys=True)
+        text = json.dumps([campaign, scenario], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -40,15 +40,15 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        told = _load_json(folder / 'campaign.json')
-        if told.get('format') != FORMAT:
+        about = _load_json(folder / 'campaign.json')
+        if about.get('format') != FORMAT:
             raise SatvibError(f'{folder}: not the folder of a campaign ({FORMAT})')
         where = str(folder / 'campaign.json')
-        self.campaign = Campaign.from_mapping(told.get('campaign'), where)
-        self.scenario = Scenario.from_mapping(told.get('scenario'), where)
-        self.software: dict[str, str] = told.get('software', {})
+        self.campaign = Campaign.from_mapping(about.get('campaign'), where)
+        self.scenario = Scenario.from_mapping(about.get('scenario'), where)
+        self.software: dict[str, str] = about.get('software', {})
         self.digest = self.campaign.digest(self.scenario.to_mapping())
-        if told.get('digest') != self.digest:
+        if about.get('digest') != self.digest:
             raise SatvibError(f'{where}: was changed since the campaign began; start a new one')
         self._parts: dict[str, str] = {}
         self.result: str | None = None

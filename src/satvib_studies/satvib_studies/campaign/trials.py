@@ -42,12 +42,12 @@ class TrialPlan:
 
     def settings(self, trial: int) -> list[str]:
         """Give what `--set` needs for one trial, shared changes included."""
-        told = [setting_text(k, v) for k, v in self.campaign.set.items()]
-        told += [setting_text(k, v[trial]) for k, v in self.values.items()]
+        texts = [setting_text(k, v) for k, v in self.campaign.set.items()]
+        texts += [setting_text(k, v[trial]) for k, v in self.values.items()]
         if 'seed' not in self.values:
-            told = [s for s in told if not s.startswith('seed=')]
-            told.append(f'seed={self.seeds[trial]}')
-        return told
+            texts = [s for s in texts if not s.startswith('seed=')]
+            texts.append(f'seed={self.seeds[trial]}')
+        return texts
 
     def scenario(self, trial: int) -> Scenario:
         """Give one trial's scenario; it is checked as it is built, its rig when that is loaded.
@@ -72,8 +72,8 @@ class TrialPlan:
     def command(self, trial: int, live: bool = True) -> str:
         """Give the line that runs one trial again, as a live graph or in one process."""
         words = ['./satvib', 'run' if live else 'simulate', self.campaign.scenario]
-        for told in self.settings(trial):
-            words += ['--set', told]
+        for text in self.settings(trial):
+            words += ['--set', text]
         return shlex.join(words)
 
     def part(self, trials: Iterable[int]) -> TrialPlan:

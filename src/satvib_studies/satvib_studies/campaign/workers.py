@@ -3,7 +3,7 @@
 """Who runs the parts of a campaign: this process, processes of this machine, or any machines, by Dask distributed.
 
 A part is a task: it gets its own piece of the plan, and gives back the Parquet file of its trials as bytes. A task
-whose worker dies is run again by another; nothing in its result tells where it ran.
+whose worker ends early is run again by another; its result does not depend on where it ran.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from satvib_studies.campaign.report.table import make_table, to_bytes
 from satvib_studies.campaign.store import Store
 from satvib_studies.campaign.trials import TrialPlan
 
-# workers that may die while they run one and the same part
+# workers that may be lost while they run one and the same part
 _LIVES = 5
 _CONNECT = 10  # s
 _WORKERS = 30  # s
@@ -187,7 +187,7 @@ def _distributed(client: Any, plan: TrialPlan, waiting: list[int]) -> Iterator[t
 
 
 def _quiet() -> None:
-    """Keep Dask's own messages off the terminal; what matters is told by us."""
+    """Keep Dask's own messages off the terminal; the campaign reports what matters."""
     for name in ('distributed', 'distributed.nanny', 'distributed.scheduler', 'distributed.core',
                  'distributed.worker', 'distributed.client', 'tornado.application'):  # fmt: skip
         logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -204,7 +204,7 @@ def run(
 
     Args:
         settings: as wanted; the paper's by default.
-        progress: told the signal and the case before each run.
+        progress: called with the signal and the case before each run.
     """
     chosen = settings or StudySettings()
     plant = paper_plant(1.0 / chosen.sample_rate)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rows of a sweep as Markdown tables, and how they come into a page.
 
-A page marks the place of a table by two comments, between which everything is written anew:
+A page marks the place of a table by two comments, between which everything is written again:
 
     <!-- table laws -->
     <!-- end -->
@@ -43,14 +43,14 @@ def markdown(rows: Sequence[dict[str, Any]]) -> str:
             '| ' + ' | '.join([*axes, *(heading for _, heading in COLUMNS)]) + ' |',
             '|' + '---|' * len(axes) + '---:|' * len(COLUMNS),
         ]
-        told: dict[str, int] = {}
+        numbers: dict[str, int] = {}
         for row in (row for row in rows if row['labels'][first] == head):
             cells = [row['labels'][axis] for axis in axes]
             cells += [_number(row['worst'][name], name) for name, _ in COLUMNS]
-            marks = sorted(told.setdefault(text, len(told) + 1) for text in row['reasons'])
+            marks = sorted(numbers.setdefault(text, len(numbers) + 1) for text in row['reasons'])
             cells[-1] += ''.join(f' [{number}]' for number in marks)
             lines.append(f'| {" | ".join(cells)} |')
-        lines += ['', *(f'[{number}] {text}.  ' for text, number in told.items())]
+        lines += ['', *(f'[{number}] {text}.  ' for text, number in numbers.items())]
         parts.append('\n'.join(lines).rstrip())
     return '\n\n'.join(parts) + '\n'
 

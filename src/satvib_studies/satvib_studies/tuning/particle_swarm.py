@@ -9,7 +9,7 @@ x position, p the particle's best, g the best of its neighbours, r1 and r2 unifo
 velocity is clamped to a share of the box; a particle that leaves the box is mirrored at its wall, and its velocity
 too.
 
-A swarm whose best has not improved for `stagnation` steps is scattered anew, by turns in a small box about the best,
+A swarm whose best has not improved for `stagnation` steps is scattered again, by turns in a small box about the best,
 which refines it, and in the whole box without it, which finds others. `patience` of these rounds in vain end the run.
 
 All random numbers of step i come from default_rng([seed, STREAM, i]): a run that is resumed from a checkpoint gives

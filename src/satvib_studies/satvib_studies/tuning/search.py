@@ -36,7 +36,7 @@ NAMES = ('gains_p', 'gains_i', 'gains_d')
 
 @dataclass(frozen=True, kw_only=True)
 class TuneSettings(Schema):
-    """What a search can be told."""
+    """Settings of a search."""
 
     cost: CostSettings = param(CostSettings(), 'what counts')
     swarm: SwarmSettings = param(SwarmSettings(), 'how it is looked for')
@@ -153,10 +153,10 @@ class Search:
 
 def summary(found: Tuned) -> dict[str, dict[str, float]]:
     """Give the figures of the gains found and of the untuned ones: cost, dB, V, margin."""
-    told = {}
+    rows = {}
     for name, gains in (('tuned', found.result.position), ('untuned', found.untuned)):
         figures, decibels = found.cost.figures(gains[None])[0], found.attenuation(gains)
-        told[name] = {
+        rows[name] = {
             'cost': float(found.cost(gains[None])[0]),
             'attenuation': float(decibels[0]),
             'attenuation_worst_plant': float(decibels.max()),
@@ -164,7 +164,7 @@ def summary(found: Tuned) -> dict[str, dict[str, float]]:
             'margin': float(figures[0, MARGIN]),
             'margin_worst_plant': float(figures[:, MARGIN].min()),
         }
-    return told
+    return rows
 
 
 def write_gains(found: Tuned, path: Path) -> None:

@@ -64,7 +64,7 @@ def restore(swarm: Swarm, path: Path) -> None:
         found = {name: float(numbers[name]) for name in _NUMBERS}
     except (OSError, ValueError, KeyError, EOFError, TypeError, BadZipFile):
         raise SatvibError(
-            f'{path}: not a checkpoint of a search, or broken; remove it to begin anew'
+            f'{path}: not a checkpoint of a search, or broken; remove it to begin again'
         ) from None
     if search != _search(swarm) or not shapes_fit:
         now = _search(swarm)

@@ -74,7 +74,7 @@ def interrupted(tmp_path):
     """Folder of a campaign of which 12 of 18 trials are done."""
     folder = tmp_path / 'c'
     with pytest.raises(Interrupted):
-        go_on(begin(CAMPAIGN, folder), workers=0, told=stop_after(12))
+        go_on(begin(CAMPAIGN, folder), workers=0, progress=stop_after(12))
     assert Store(folder).trials_done == 12
     return folder
 
@@ -83,7 +83,7 @@ def test_an_interrupted_campaign_goes_on(interrupted, wanted):
     """Truth: the undisturbed campaign; equal bytes, and the finished parts are not run again."""
     (interrupted / 'parts' / '000002.parquet.new').write_bytes(b'half of a part')
     seen = []
-    go_on(resume(interrupted), workers=0, told=lambda done, _: seen.append(done))
+    go_on(resume(interrupted), workers=0, progress=lambda done, _: seen.append(done))
     assert seen == [12, 18]
     assert (interrupted / 'trials.parquet').read_bytes() == wanted
 
@@ -99,7 +99,7 @@ def test_a_killed_campaign_goes_on(tmp_path, wanted):
         '    if done >= 6:\n'
         '        os.kill(os.getpid(), signal.SIGKILL)\n'
         'c = Campaign.from_mapping(__import__("json").loads(sys.argv[1]))\n'
-        'go_on(begin(c, Path(sys.argv[2])), workers=0, told=told)\n'
+        'go_on(begin(c, Path(sys.argv[2])), workers=0, progress=told)\n'
     )
     folder = tmp_path / 'c'
     env = os.environ | {'PYTHONPATH': os.pathsep.join(p for p in sys.path if p)}

@@ -93,7 +93,7 @@ def test_scheduler_and_two_workers_of_which_one_is_killed(tmp_path, wanted):
                 pair[0].wait(10)
 
         folder = tmp_path / 'c'
-        go_on(begin(CAMPAIGN, folder), scheduler=address, told=told)
+        go_on(begin(CAMPAIGN, folder), scheduler=address, progress=told)
         assert pair[0].poll() is not None
         assert pair[1].poll() is None
     assert seen[-1] == 40
@@ -144,7 +144,7 @@ def test_a_scheduler_that_goes_away_is_one_line(tmp_path):
 
         store = begin(CAMPAIGN, tmp_path / 'c')
         with pytest.raises(SatvibError, match=r'is lost .*; \d+ of 40 trials are kept.*--resume'):
-            go_on(store, scheduler=address, told=told)
+            go_on(store, scheduler=address, progress=told)
     assert store.trials_done >= 10
 
 

@@ -11,7 +11,7 @@ from satvib_bringup.cli.options import Folder
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from satvib_studies.campaign.run import Told
+    from satvib_studies.campaign.run import Progress
 
 
 def campaign(
@@ -77,8 +77,8 @@ def campaign(
         store = begin(loaded, free_run_folder(loaded.name, folder))
     console = make_console()
     try:
-        with _bar(console, f'campaign {store.campaign.name}') as told:
-            plan, table = go_on(store, scheduler, workers, told)
+        with _bar(console, f'campaign {store.campaign.name}') as progress:
+            plan, table = go_on(store, scheduler, workers, progress)
     except KeyboardInterrupt:
         console.print(store.kept(), soft_wrap=True)
         raise
@@ -110,7 +110,7 @@ class _bar:  # noqa: N801 - used like a function
         )  # fmt: skip
         self._task = self._progress.add_task(title, total=None)
 
-    def __enter__(self) -> 'Told':
+    def __enter__(self) -> 'Progress':
         if self._console.is_terminal:
             self._progress.start()
         return self._told

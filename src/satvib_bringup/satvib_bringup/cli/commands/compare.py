@@ -54,17 +54,17 @@ def compare(
     make_run_folder(target)
     console = make_console()
     with Progress(
-        TextColumn('[bold]compare'), BarColumn(bar_width=24), TextColumn('{task.fields[told]}'),
+        TextColumn('[bold]compare'), BarColumn(bar_width=24), TextColumn('{task.fields[status]}'),
         TimeElapsedColumn(), console=console, transient=True, disable=not console.is_terminal,
     ) as bar:  # fmt: skip
-        task = bar.add_task('compare', total=1 + len(loaded.schemes), told='')
+        task = bar.add_task('compare', total=1 + len(loaded.schemes), status='')
         done: dict[str, float] = {}
 
-        def tell(scheme: str, sample: int, samples: int) -> None:
+        def report(scheme: str, sample: int, samples: int) -> None:
             done[scheme] = sample / samples
-            bar.update(task, completed=sum(done.values()), told=scheme)
+            bar.update(task, completed=sum(done.values()), status=scheme)
 
-        found = run_comparison(loaded, tell)
+        found = run_comparison(loaded, report)
     made = tables(found)
     text = '\n'.join(made.values())
     (target / 'tables.md').write_text(text, encoding='utf-8')

@@ -26,7 +26,7 @@ def study(settings: Settings = None, folder: Folder = None) -> None:
     make_run_folder(target)
     console = make_console()
     with console.status('study') as status:
-        result = run(chosen, lambda told: status.update(f'study: {told}'))
+        result = run(chosen, lambda text: status.update(f'study: {text}'))
         save_figures(result, target)
     rows = result.table()
     table = Table(title=f'errors over {chosen.seeds} seeds from seed {chosen.seed}')

@@ -61,18 +61,20 @@ def tune(
     console = make_console()
     budget = search.settings.swarm.budget
     with Progress(
-        TextColumn('[bold]tune'), BarColumn(bar_width=24), TextColumn('{task.fields[told]}'),
+        TextColumn('[bold]tune'), BarColumn(bar_width=24), TextColumn('{task.fields[status]}'),
         TimeRemainingColumn(), console=console, transient=True, disable=not console.is_terminal,
     ) as bar:  # fmt: skip
-        task = bar.add_task('tune', total=budget, told='')
+        task = bar.add_task('tune', total=budget, status='')
 
-        def tell(swarm: Any) -> None:
-            told = f'{swarm.evaluations} of {budget} evaluations, best cost {swarm.cost_found:.5g}'
-            bar.update(task, completed=swarm.evaluations, told=told)
+        def report(swarm: Any) -> None:
+            status = (
+                f'{swarm.evaluations} of {budget} evaluations, best cost {swarm.cost_found:.5g}'
+            )
+            bar.update(task, completed=swarm.evaluations, status=status)
             if not console.is_terminal and swarm.steps % 25 == 0:
-                console.print(f'tune: {told}')
+                console.print(f'tune: {status}')
 
-        found = search.run(tell, checkpoint)
+        found = search.run(report, checkpoint)
     write_gains(found, target / 'gains.yaml')
     draw(found, target / 'tuning.png')
     console.print(_table(found))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""All figures of a report, in the order in which a reader wants them."""
+"""All figures of a report, in the order of the page."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -65,8 +65,8 @@ def draw_shares(found: Sequence[Sensitivity], judge: str, path: Path) -> bool:
             color = OPEN if not np.isfinite(item.rank) else (MEASURED if worse else TRUE)
             ax.barh(row, 100.0 * item.share, color=color, height=0.45)
             sign = '' if not np.isfinite(item.rank) else f'   rank correlation {item.rank:+.2f}'
-            told = f' {item.key}   {100.0 * item.share:.0f} %{sign}'
-            ax.text(0.0, row - 0.28, told, va='bottom', fontsize=8.5)
+            shown = f' {item.key}   {100.0 * item.share:.0f} %{sign}'
+            ax.text(0.0, row - 0.28, shown, va='bottom', fontsize=8.5)
         ax.set_yticks([])
         ax.set_ylim(-0.9, len(known) - 0.6)
         ax.invert_yaxis()

@@ -75,7 +75,7 @@ def summarize(plan: TrialPlan, table: pa.Table) -> dict[str, Any]:
             np.count_nonzero(_of(table, 'attenuation_true_rms') > 0)
         ),
         'spread': {name: _spread(_of(table, name)) for name in SHOWN if name in table.column_names},
-        'sensitivity': [_told(s) for s in ranking(parameters, figure)],
+        'sensitivity': [_texts(s) for s in ranking(parameters, figure)],
         'worst': [_case(plan, table, int(i), judge) for i in order[:WORST]],
         'median': [_case(plan, table, int(i), judge) for i in order[len(order) // 2 :][:1]],
         'best': [_case(plan, table, int(i), judge) for i in order[-1:]],
@@ -94,7 +94,7 @@ def _spread(values: Array) -> list[float | None]:
     return [float(v) for v in np.percentile(good, _POINTS)] if len(good) else [None] * len(_POINTS)
 
 
-def _told(item: Sensitivity) -> dict[str, Any]:
+def _texts(item: Sensitivity) -> dict[str, Any]:
     return {'key': item.key, 'share': _finite(item.share), 'rank': _finite(item.rank)}
 
 
@@ -155,14 +155,14 @@ def _draw(plan: TrialPlan, table: pa.Table, folder: Path) -> list[tuple[str, str
         'sensitivity': drawing.draw_shares(found, judge, paths['sensitivity']),
         'shapes': drawing.draw_shapes(parameters, figure, judge, keys, paths['shapes']),
     }
-    told = {
+    texts = {
         'spread': ('How good, how often', drawing.SPREAD),
         'sensitivity': ('What it depends on', drawing.SHARE),
         'shapes': ('How it depends on them', drawing.SHAPE),
     }
     sections = []
     for name, path in paths.items():
-        heading, caption = told[name]
+        heading, caption = texts[name]
         if done[name]:
             data = base64.b64encode(path.read_bytes()).decode('ascii')
             sections.append((heading, f'data:image/png;base64,{data}', caption))
