@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The voltage guard: the only door through which a voltage leaves a controller."""
+"""The voltage guard: every voltage of a controller passes through it."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from satvib_common.arrays import Array, Mask
 
 @dataclass(frozen=True)
 class Guarded:
-    """What the guard let through.
+    """What the guard applies.
 
     Attributes:
         voltage: shape, V; what is really applied.
@@ -33,8 +33,8 @@ def towards_zero(voltage: Array, step: Array | float) -> Array:
 class VoltageGuard:
     """Finite, |V| <= limit, |dV| <= slew dt; a demand that is not finite latches 0 V until `reset`.
 
-    A voltage moves metal: whatever a law says, this is what comes out. A latched fault goes to 0 V at once, because
-    at zero volts a coil only damps; the slew limit protects against demands, not against stopping.
+    The output obeys these limits whatever a law asks for. A latched fault goes to 0 V at once, because at 0 V a coil
+    only damps. The slew limit applies to demands, not to stopping.
 
     Args:
         limit: V, largest magnitude; one for all, or shape.
@@ -56,13 +56,13 @@ class VoltageGuard:
         self.fault = np.zeros(shape, dtype=bool)
 
     def apply(self, demand: Array, stop: Mask | bool = False) -> Guarded:
-        """Let a demand (shape, V) through; `stop` (shape) latches 0 V."""
+        """Limit a demand (shape, V); `stop` (shape) latches 0 V."""
         finite = np.isfinite(demand)
         self.fault = self.fault | ~finite | stop
         wanted = np.where(finite, demand, 0.0)
         slewed = np.minimum(np.maximum(wanted, self.voltage - self.step), self.voltage + self.step)
         limited = np.minimum(np.maximum(slewed, -self.limit), self.limit)
-        # + 0.0 turns a negative zero into zero, so that a voltage of nothing has one spelling
+        # + 0.0 turns a negative zero into zero, so that 0 V has one representation
         self.voltage = np.where(self.fault, 0.0, limited) + 0.0
         return Guarded(self.voltage, (self.voltage != wanted) & ~self.fault, self.fault)
 

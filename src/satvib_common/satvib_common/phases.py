@@ -35,7 +35,7 @@ class PhasePlan:
     end: int = 0
 
     def __post_init__(self) -> None:
-        """Check the order once, so that nobody has to later."""
+        """Check the order of the phases."""
         if not self.phases or len(self.phases) != len(self.first):
             raise SatvibError(
                 f'schedule: {len(self.phases)} phases but {len(self.first)} first samples'

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""How the process of a loop member runs: no garbage collection in the loop, its own processor, its own priority."""
+"""How a process of the loop runs: no garbage collection in the loop, its own processor, its own priority."""
 
 import gc
 import os
@@ -8,14 +8,14 @@ from collections.abc import Callable
 
 
 def settle_memory() -> None:
-    """Collect once, set aside what lives for ever, and keep the collector out of the loop."""
+    """Collect once, exclude the objects that stay, and switch the collector off."""
     gc.collect()
     gc.freeze()
     gc.disable()
 
 
 def tidy_memory() -> None:
-    """Collect, when the collector is off, what has become garbage since; cheap, for the rest is set aside."""
+    """Collect what has become garbage since, if the collector is off. It is cheap, because the rest is excluded."""
     if not gc.isenabled():
         gc.collect()
 

@@ -85,7 +85,7 @@ _KNOWN_HINTS: dict[type, dict[str, Any]] = {}
 
 
 def _hints(cls: type) -> dict[str, Any]:
-    """Types of a schema's fields; finding them anew for every object would be most of the work."""
+    """Types of a schema's fields; kept, because looking them up would be most of the work of making an object."""
     found = _KNOWN_HINTS.get(cls)
     if found is None:
         found = _KNOWN_HINTS[cls] = typing.get_type_hints(cls)
@@ -110,7 +110,7 @@ class Schema:
         self.check()
 
     def check(self) -> None:
-        """Check what no single field can tell; raises SatvibError."""
+        """Check what concerns several fields; raises SatvibError."""
 
     @classmethod
     def from_mapping(cls, mapping: Any, where: str = '') -> Self:

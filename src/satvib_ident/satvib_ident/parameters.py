@@ -84,7 +84,7 @@ class IdentifierParameters(LoopParameters):
     )
     regressor_floor: float = param(
         0.0, 'a sample whose regressor is shorter than this (m/s^2 and V mixed) is left out; for '
-        'directional also the RMS up to which a direction is not forgotten; 0: what noise as in '
+        'directional also the RMS up to which a direction is not forgotten; 0: the length that the noise of '
         'CALIBRATE exceeds once in a million samples (for a direction: twice its deviation), if '
         'anything is forgotten',
         minimum=0.0, read_only=True,
@@ -138,7 +138,7 @@ class IdentifierParameters(LoopParameters):
         1e-6, 'a voltage up to this is no excitation', unit='V', minimum=0.0, read_only=True
     )
     input_hold: float = param(
-        0.5, 'samples count for this long after the last excitation; then they tell of noise alone',
+        0.5, 'samples count for this long after the last excitation; later ones hold noise alone',
         unit='s', minimum=0.0, read_only=True,
     )  # fmt: skip
     bias: str = param(
@@ -174,7 +174,7 @@ class IdentifierParameters(LoopParameters):
         0.25, 'relative deviation of that response that a trusted model stays below', above=0.0
     )
     trust_error: float = param(
-        0.3, 'relative error of that response, as the residual tells, that a trusted model stays below',
+        0.3, 'relative error of that response, from the residual, that a trusted model stays below',
         above=0.0,
     )  # fmt: skip
     trust_whiteness: float = param(

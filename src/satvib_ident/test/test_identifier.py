@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The identifier as a whole: bias, alignment, breaks in the record, verdicts."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_ident.excitation import make_excitation
-from satvib_ident.identifier import IdentifierCore
+from satvib_ident.identifier import FIGURES, IdentifierCore
 from satvib_ident.models.iir_model import IirModel
 from satvib_ident.parameters import ESTIMATORS, FORGETTING, IdentifierParameters
 
@@ -265,3 +267,10 @@ def test_bad_parameters_are_refused_by_name(options, message):
     """Truth: each set of parameters has one fault."""
     with pytest.raises(SatvibError, match=message):
         IdentifierParameters(**options)
+
+
+def test_every_figure_has_a_field_in_the_message():
+    """Truth: satvib_msgs/IirParameters, whose first four fields are the same for all items."""
+    text = (Path(__file__).parents[2] / 'satvib_msgs/msg/IirParameters.msg').read_text()
+    lines = [line.split() for line in text.splitlines() if line and not line.startswith('#')]
+    assert sorted([*FIGURES, 'reason']) == sorted(name for _, name in lines[4:])

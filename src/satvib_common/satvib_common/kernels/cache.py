@@ -92,7 +92,7 @@ def own_folder(function: Callable[..., Any], *settings: str) -> Iterator[None]:
         fcntl.flock(lock, fcntl.LOCK_EX)
         complete = folder / COMPLETE
         if not complete.exists():
-            # what another version or a killed process has left is of no use to anybody
+            # what another version or a killed process has left is not used
             for stale in root.glob(f'{name}-{16 * "[0-9a-f]"}'):
                 shutil.rmtree(stale, ignore_errors=True)
             folder.mkdir(parents=True, exist_ok=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Between messages and the values of the mathematics."""
+"""Conversion between messages and the values of the mathematics."""
 
 from array import array
 from collections.abc import Mapping
@@ -32,7 +32,7 @@ def sample_stamp(sequence: int, period: float) -> int:
 
 
 def doubles(values: Array) -> 'array[float]':
-    """Give a float64[] field's value, the cheap way."""
+    """Give the value of a float64[] field, without a list of Python numbers."""
     return array('d', np.ascontiguousarray(values).tobytes())
 
 
@@ -69,10 +69,10 @@ def plan_of(schedule: Any) -> PhasePlan:
 
 
 def check_period(what: str, period: float, rate: float) -> None:
-    """Refuse a message whose sample period differs from what the node was told.
+    """Refuse a message whose sample period differs from that of the node.
 
     Args:
-        what: which message, for the reader of the error.
+        what: which message, for the text of the error.
         period: s, as the message says.
         rate: Hz, the parameter `sample_rate`.
 

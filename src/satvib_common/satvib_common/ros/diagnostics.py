@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a node says about itself on /diagnostics, once a second."""
+"""The state of a node on /diagnostics, once a second."""
 
 import contextlib
 from typing import Any
@@ -16,7 +16,7 @@ from satvib_common.ros.qos import offered
 READERS_OF = 'readers of '
 WRITERS_OF = 'writers of '
 
-_LAST_WORDS = 0.5  # s, how long a reader may take to have the last message
+_LAST_MESSAGE = 0.5  # s, how long a reader may take to receive the last message
 
 
 class Diagnostics:
@@ -38,7 +38,7 @@ class Diagnostics:
         well: str = 'all is well',
         failed: bool = False,
     ) -> None:
-        """Say how it is: OK, WARN with a complaint (ERROR when `failed`), or STALE while inactive."""
+        """Publish the state: OK, WARN with a complaint (ERROR when `failed`), or STALE while inactive."""
         status = self._status
         if not active:
             status.level, status.message = DiagnosticStatus.STALE, 'not active'
@@ -55,7 +55,7 @@ class Diagnostics:
         self._publisher.publish(self._message)
 
     def close(self) -> None:
-        """Let go of the publisher once its last words have arrived."""
+        """Destroy the publisher after its last message has arrived."""
         with contextlib.suppress(Exception):
-            self._publisher.wait_for_all_acked(Duration(seconds=_LAST_WORDS))
+            self._publisher.wait_for_all_acked(Duration(seconds=_LAST_MESSAGE))
         self._node.destroy_publisher(self._publisher)

@@ -37,7 +37,7 @@ _ACKNOWLEDGE = 1.0
 
 
 def run_node(make: Callable[[], SatvibNode[Any]], args: Sequence[str] | None = None) -> NoReturn:
-    """Run a node until it ends or is told to, and end the process.
+    """Run a node until it ends or a signal ends it, then end the process.
 
     A `SatvibError` is one line and exit code 2, a `RunError` one line and 1, a signal nothing and 0.
 
@@ -108,7 +108,7 @@ def make_executor() -> Executor:
 
 
 def _drain(node: SatvibNode[Any], executor: Executor) -> None:
-    """Work off what has been received, when nobody sends any more; a live source would never let go."""
+    """Process what has been received, if no source sends any more; a live source would never end."""
     deadline = time.monotonic() + DRAIN
     while node.exit_code == 0 and node.active and not node.sources_left():
         before = node.handled
@@ -140,7 +140,7 @@ class _Signals:
             signal.signal(number, self._arrived)
 
     def ignore(self) -> None:
-        """Let nothing disturb the end of the process, which would change the exit code."""
+        """Ignore further signals, which would change the exit code."""
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_IGN)
 
@@ -151,10 +151,10 @@ class _Signals:
         if self._node is None:
             _exit(0)
         if self._node.ended:
-            # SIGTERM may come several times from one sender: the kernel tells of a parent's death once per thread
+            # SIGTERM may come several times: the kernel sends it once for each thread of a parent that has ended
             if number == signal.SIGINT:
                 _exit(130)
             return
-        # a thread of its own that needs neither the interpreter nor its locks, and says where the process stood
+        # a thread of its own that needs neither the interpreter nor its locks; it prints where the process was
         faulthandler.dump_traceback_later(_LAST_RESORT, exit=True)
         self._node.interrupt()

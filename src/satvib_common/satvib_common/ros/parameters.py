@@ -3,8 +3,8 @@
 """ROS parameters from a schema: declared, read, checked as a whole, applied.
 
 The dataclass is the only description. Each field becomes a parameter with its type, unit, range, description and
-read-only flag. A change is tried on a copy of the whole set; when that refuses, its one-line reason goes back to who
-asked and nothing changes.
+read-only flag. A change is tried on a copy of the whole set. If it is refused, its one-line reason is the answer and
+nothing changes.
 """
 
 import difflib
@@ -59,7 +59,7 @@ class NodeParameters(Generic[S]):
     """The parameters of a node, always one valid value of a schema.
 
     Args:
-        node: who declares them.
+        node: the node that declares them.
         schema: a schema of bool, int, float, str and tuples of them.
         changed: called with the new set after a change.
 
@@ -95,7 +95,7 @@ class NodeParameters(Generic[S]):
             self._changed(self.value)
 
     def _warn_unknown(self, node: Node) -> None:
-        """Say when an override names nothing: ROS passes over it in silence."""
+        """Warn of an override that names no parameter, which ROS ignores without a message."""
         given = getattr(node, '_parameter_overrides', {})
         for name in given:
             if name in self._names or name in _ROS or name.startswith('qos_overrides.'):

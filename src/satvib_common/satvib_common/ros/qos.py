@@ -2,15 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Quality of service, so that start-up has no race.
 
-Every satvib publisher offers reliable and transient local with a deep history. A reader that needs the whole story
-(the recorder, and in lockstep every loop member) asks for transient local and gets each sample even when it is
-discovered late; the others ask for volatile and begin with the present.
+Every satvib publisher offers reliable and transient local with a deep history. A reader that needs every
+message (the recorder, and in lockstep every node of the loop) asks for transient local, and gets each sample even when
+it is discovered late. The others ask for volatile and begin with the present message.
 """
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-# Samples. At 1000 samples a second a reader may stand still for a second before a writer forgets what it has not had.
+# Samples. At 1000 samples a second a reader may stop for a second before messages are lost.
 DEPTH = 1000
 
 _POLICIES = (

@@ -38,7 +38,7 @@ class BiasCalibration:
         return np.sqrt(np.where(self.count > 1.0, variance, np.nan))
 
     def reset(self) -> None:
-        """Begin anew."""
+        """Start again."""
         self.count = np.zeros_like(self.count)
         self.mean = np.zeros_like(self.mean)
         self._squares = np.zeros_like(self._squares)

@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Velocity from acceleration without drift.
 
-A pure integrator turns a bias b of the sensor into a velocity b t: the drift that the paper complains of under its
-Fig. 7. Here the integrator leaks and a high-pass of the same corner stands before it,
+A pure integrator turns a bias b of the sensor into a velocity b t: the drift that the paper describes below its Fig. 7.
+Here the integrator has a leak, and a high-pass of the same corner comes before it,
 
     H(s) = s / (s + w_l)^2,
 
-which has a zero at s = 0: a constant bias gives exactly nothing once the start-up has died out, and far above the
+which has a zero at s = 0: a constant bias gives exactly 0 after the start-up has decayed, and far above the
 corner H is 1/s. Discretised by Tustin's rule. The phase error at f is 2 atan(f_l / f).
 """
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Running figures that a person watches."""
+"""Running RMS."""
 
 import numpy as np
 
@@ -29,7 +29,7 @@ class MovingRms:
         self._squares[self._next] = square
         self._next = (self._next + 1) % window
         self._count = min(self._count + 1, window)
-        if self._next == 0:  # once a window, wash out what rounding has left behind
+        if self._next == 0:  # once a window, add up again without the rounding errors
             self._sum = np.zeros_like(self._sum)
             for row in self._squares:
                 self._sum = self._sum + row

@@ -127,7 +127,7 @@ def extreme_eigenvalues(
 
 
 def information_measures(U: Array, d: Array) -> tuple[Array, Array]:
-    """How well the data, all directions alike, tell the parameters.
+    """How well the data determine the parameters, over all directions.
 
     The information matrix R = P^-1 is scaled to ones on its diagonal, so that units do not matter.
 

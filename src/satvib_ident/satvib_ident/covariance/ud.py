@@ -2,18 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """A covariance that cannot lose symmetry or definiteness: P = U D U^T.
 
-U is unit upper triangular and D is diagonal and positive, so P is symmetric positive definite whatever rounding does
-to the numbers inside. Everything that the estimators do to P is made of these operations:
+U is unit upper triangular and D is diagonal and positive, so P is symmetric positive definite whatever the rounding.
+The estimators change P by these operations only:
 
     measure   P <- Pb - Pb w (1 + w^T Pb w)^-1 w^T Pb,  Pb = P / lambda     Eqs. (26), (27); Bierman 1977
     add       P <- P + c v v^T, c > 0                                       Agee and Turner 1972
     weigh     w^T P^-1 w
 
-`measure` also moves the estimate, Eq. (25): theta <- theta + K e. It is the only place of the package where that is
-done; forgetting is what happens to lambda and P before it.
+`measure` also moves the estimate, Eq. (25): theta <- theta + K e. Nothing else in the package does. Forgetting changes
+lambda and P before it.
 
-The functions named `_one` work on one item, for the kernels of this package. They are inlined: a call that hands over
-arrays costs as much as their arithmetic.
+The functions named `_one` work on one item, inside kernels. They are inlined, because a call with arrays costs as much
+as their arithmetic.
 
 G. J. Bierman, Factorization Methods for Discrete Sequential Estimation, Academic Press, 1977, sections III.4 and V.3.
 """
@@ -157,7 +157,7 @@ def forget_within(directions, forgetting, limit, active, U, d, work):
         active: () bool; nothing changes where it is false.
         U: (p, p) unit upper triangular factor, changed.
         d: (p) diagonal factor, changed.
-        work: (r, p) out, of no use.
+        work: (r, p) out, for the kernel alone.
     """
     work[:, :] = 0.0
     if active and forgetting < 1.0:

@@ -8,7 +8,7 @@ A strut of natural frequency w_n and damping zeta, with g m/s^2 per volt far abo
 
 The signal is a multisine of `duration` / 2 (so that two periods fit). Its highest line lies at a quarter of the
 sample rate, or at the corner of the anti-alias filter if that is lower. Its lowest is the first whose acceleration
-stands out of the noise: a line of amplitude A in N samples of noise sigma is told to sigma sqrt(2 / N), and three
+is above the noise: a line of amplitude A in N samples of noise sigma is known to sigma sqrt(2 / N), and three
 times that is wanted. The amplitude is what the voltage limit and the stroke limit allow, with a margin of 20 %.
 """
 

@@ -11,10 +11,10 @@ would slowly remove what is known. Before each measurement, with R = P^-1,
 
     R <- R - (1 - lambda) R V (V^T R V)^-1 V^T R     that is     P <- P + (1/lambda - 1) V (V^T R V)^-1 V^T
 
-What the data do not reach is kept for ever, so P stays bounded without any excitation; where they reach everything,
-it is exponential forgetting. lambda is the smaller of a constant and of what the F test of `variable_rate` says.
+What the data do not reach is never forgotten, so P stays bounded without any excitation. Where they reach everything,
+this is exponential forgetting. lambda is the smaller of a constant and of what the F test of `variable_rate` says.
 (With the last regressor alone for V, as for a single measurement in the papers, a weakly excited direction is hardly
-ever forgotten: after a change of the paper's plant a1 is still off by 40 % after two seconds.)
+ever forgotten: two seconds after a change of the paper's plant a1 still has an error of 40 %.)
 
 L. Cao and H. Schwartz, A directional forgetting algorithm based on the decomposition of the information matrix,
 Automatica 36, 2000; B. Lai and D. S. Bernstein, SIFt-RLS, arXiv:2404.10844, 2024 (bounds on P without excitation).
@@ -69,7 +69,7 @@ def _renew(w, error, active, settings, floor, limit, test, S, sure, ring, state,
         ring, state: windows of the F test, changed.
         U: (p, p), changed.
         d: (p), changed.
-        work: (2, p, p), of no use afterwards; one for all items (and therefore not called writable).
+        work: (2, p, p), for the kernel alone; one for all items, and therefore not called writable.
         kept: () out, lambda for the measurement: 1 where S does not reach everything.
         used: () out, whether the sample is to be used.
     """

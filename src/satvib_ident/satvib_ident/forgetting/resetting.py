@@ -26,7 +26,7 @@ from satvib_ident.forgetting.protocol import Factors
     writable=('U', 'd'),
 )
 def _reset(active, threshold, covariance, U, d, work, due):
-    """Reset (U, d) where lambda_min is below the threshold; `work`, one for all items, is of no use after."""
+    """Reset (U, d) where lambda_min is below the threshold; `work`, one for all items, is for the kernel alone."""
     p = d.shape[0]
     due[0] = False
     if not active:

@@ -66,8 +66,8 @@ def _remove(w, y, theta, U, d, work):
 def _slide(w, error, active, theta0, P0, ring, state, theta, U, d, work, rest, used):
     """Make room for a sample in a window: take the oldest out of (theta, U, d), and remember the new one.
 
-    Every fourth round, and where a removal is too close to singular, everything is built up again from the samples
-    held, so that rounding does not gather. The caller measures the new sample afterwards.
+    Every fourth round, and where a removal is nearly singular, everything is built up again from the samples held, so
+    that rounding errors do not add up. The caller measures the new sample afterwards.
 
     Args:
         w: (p) new regressor.
@@ -80,7 +80,7 @@ def _slide(w, error, active, theta0, P0, ring, state, theta, U, d, work, rest, u
         theta: (p), changed.
         U: (p, p), changed.
         d: (p), changed.
-        work: (p) out, of no use.
+        work: (p) out, for the kernel alone.
         rest: () out, the prediction error of what is left.
         used: () out, whether the sample is to be used.
     """

@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Roots of batches of polynomials, and their largest modulus without them.
 
-The modulus needs no eigenvalues: the Schur-Cohn (Levinson step-down) recursion tells whether all roots of
-1 + a1 z^-1 + ... lie inside the unit circle, and a_i / r^i does so for the circle of radius r; r is bisected. Plain
-arithmetic, so the bits do not depend on the batch.
+The modulus needs no eigenvalues: the Schur-Cohn criterion decides whether all roots of 1 + a1 z^-1 + ... lie inside a
+circle, and the radius of the circle is bisected. This is plain arithmetic, so the bits do not depend on the batch.
 """
 
 import numpy as np

@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far off a model's response is, as told by what its residual still has in common with the input.
+"""The error of a model's response, from what its residual still has in common with the input.
 
 The residual of the present model over the recent samples, e = A y - B u, is A (G0 - G) u and noise. A short filter H
 is fitted from u to e by least squares with a slight ridge; then G0 - G is about H / A, and relative to G = B / A
 
     |G0 - G| / |G| ~ |H| / |B|
 
-whatever the colour of the noise. It sees what a covariance cannot: an order too low, a wrong delay, bias from noise,
+whatever the colour of the noise. It shows what a covariance cannot: an order too low, a wrong delay, bias from noise,
 an actuator that saturates. Noise adds about sqrt(lags / N) times the ratio of noise to response.
 
-Where the input has no power H cannot be told, and the ridge makes it 0. Therefore the deviation of H itself counts:
+Where the input has no power H is not known, and the ridge makes it 0. Therefore the deviation of H itself is checked:
 with s^2 the variance of what H leaves of e, and c the row of exp(-j 2 pi f i dt),
 
     E |dH|^2 = s^2 c (R + ridge)^-1 c*
@@ -172,7 +172,7 @@ class ModelError(RecentSamples):
     def __call__(self, theta: Array) -> Array:
         """Largest |G0 - G| / |G| in the band, (shape), of theta (*shape, p).
 
-        NaN with too few samples, infinite where the input tells nothing.
+        NaN with too few samples, infinite where the input has too little power.
         """
         work = np.zeros((*self._shape, self._lags, self._lags))
         _, worst = _error(

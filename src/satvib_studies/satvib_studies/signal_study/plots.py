@@ -49,7 +49,7 @@ def figure_4(result: StudyResult, case: str = 'both') -> 'Figure':
 def figure_5(result: StudyResult, case: str = 'both') -> 'Figure':
     """Outputs of the plant and of each identified model, free running, last half.
 
-    Left: on the signal that identified it, where even a wrong model fits. Right: on a PRBS, which tells them apart.
+    Left: on the signal that identified it, where even a wrong model fits. Right: on a PRBS, where they differ.
     """
     names = result.settings.signals
     figure, axes = new_figure(len(names), 2, (10.0, 1.1 * len(names) + 0.8))
