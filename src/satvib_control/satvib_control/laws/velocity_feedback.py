@@ -4,9 +4,9 @@
 
     u(k) = -g s v(k),    v = H y,    H(s) = s / (s + w_l)^2
 
-y is the upper acceleration without its bias, H the drift-free integrator of `satvib_common.signals.integrator` (a pure
-integrator turns a bias into a ramp: the drift that the paper complains of), s = +-1 the polarity of the wiring, taken
-from the identified model when there is one, and g the gain in V/(m/s).
+y is the upper acceleration without bias. H is the drift-free integrator of `satvib_common.signals.integrator`; a pure
+integrator would turn a bias into a ramp, the drift that the paper reports. s = +-1 is the polarity of the wiring, taken
+from the identified model when there is one. g is the gain in V/(m/s).
 
 The paper's "differential controller gain is 550" has no unit. Its figures are in g, so it is read as 550 V per (g s),
 which is 550 / 9.80665 = 56.1 V/(m/s): the default.
