@@ -27,6 +27,7 @@ import yaml
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.settings_text import setting_text
+from satvib_common.struts import strut_names
 from satvib_experiment.analysis.tones import disturbance_onset
 from satvib_experiment.recording.bag_reader import custom_data
 from satvib_experiment.recording.topics import STRUT_TOPICS
@@ -152,7 +153,7 @@ def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None
     """
     rig = scenario.load_rig()
     rate = rig.acquisition.sample_rate
-    struts = tuple(f'strut_{i + 1}' for i in range(strut_count(rig)))
+    struts = strut_names(strut_count(rig))
     plant = PlantParameters(
         rig=scenario.rig,
         rig_overrides=tuple(setting_text(k, v) for k, v in scenario.rig_overrides.items()),

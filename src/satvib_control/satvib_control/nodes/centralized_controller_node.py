@@ -12,6 +12,7 @@ from functools import partial
 from satvib_common.phases import PhasePlan
 from satvib_common.ros.main import run_node
 from satvib_common.ros.qos import wanted
+from satvib_common.struts import strut_names
 
 from satvib_control.core.centralized import CentralizedCore
 from satvib_control.laws.centralized.parameters import CentralizedParameters
@@ -32,7 +33,7 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
     def configure(self) -> None:
         """Build the core and the queue of whole samples."""
         p = self.parameters
-        self.names = [f'strut_{i + 1}' for i in range(p.struts)]
+        self.names = strut_names(p.struts)
         self.serve(
             CentralizedCore(p, (p.struts,)),
             [((i,), f'{name}/') for i, name in enumerate(self.names)],

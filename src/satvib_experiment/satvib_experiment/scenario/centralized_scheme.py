@@ -52,15 +52,14 @@ def strut_angles(rig: AnyRig, where: str) -> list[float]:
     """Give the angles of a rig's struts, deg.
 
     Raises:
-        SatvibError: a rig of identified models, which stand nowhere.
+        SatvibError: a rig of identified models, which have no places.
     """
     if not isinstance(rig, Rig):
         raise SatvibError(
             f'{where}: scheme: centralized needs a rig with a geometry; {rig.name} is one of '
             'identified models'
         )
-    count = rig.struts.count
-    return [rig.struts.first_angle + 360.0 * i / count for i in range(count)]
+    return rig.struts.angles
 
 
 def centralized_parameters(

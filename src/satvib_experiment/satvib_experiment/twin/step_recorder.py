@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.phases import PhasePlan
+from satvib_common.struts import strut_names
 from satvib_control.laws.reasons import text_of
 from satvib_plant_sim.plant.failures import CONTROLLER, Failure
 from satvib_plant_sim.plant.observation import Sample, Truth
@@ -92,7 +93,7 @@ class StepRecorder:
             if group in SPOKEN:
                 _silence(arrays, scenario.failures, dt)
         return Recording(
-            struts=tuple(f'strut_{i + 1}' for i in range(struts)),
+            struts=strut_names(struts),
             sample_period=dt,
             plan=self.plan,
             sequence=np.arange(end, dtype=np.int64),

@@ -20,6 +20,7 @@ from satvib_common.ros.convert import check_period, plan_of, sample_stamp, set_s
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
+from satvib_common.struts import strut_names
 
 from satvib_msgs.msg import Schedule, StrutAcceleration, StrutTruth, VcaVoltage
 from satvib_plant_sim.nodes.lockstep_answers import Answers
@@ -41,7 +42,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         """Build the plant and a set of publishers per strut."""
         p = self.parameters
         self.plant = plant = p.make_plant()
-        self.names = [f'strut_{i + 1}' for i in range(plant.struts)]
+        self.names = list(strut_names(plant.struts))
         self.messages = [
             StrutMessages(i, name, StrutAcceleration(), StrutTruth(), plant)
             for i, name in enumerate(self.names)

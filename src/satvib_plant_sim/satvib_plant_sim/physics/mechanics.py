@@ -25,6 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.struts import motion_matrix, strut_angles
 
 from satvib_plant_sim.physics.state import state_of, state_size
 from satvib_plant_sim.rig.rig import Rig
@@ -75,9 +76,8 @@ def geometry(rig: Rig) -> Array:
     n = rig.struts.count
     if n == 1:
         return np.ones((1, 1))
-    angles = np.radians(rig.struts.first_angle) + 2.0 * math.pi * np.arange(n) / n
-    x, y = rig.struts.radius * np.cos(angles), rig.struts.radius * np.sin(angles)
-    return np.stack([np.ones(n), y, -x], axis=1)
+    angles = strut_angles(n, math.radians(rig.struts.first_angle), turn=2.0 * math.pi)
+    return motion_matrix(angles, rig.struts.radius)
 
 
 def mass_matrix(rig: Rig) -> Array:

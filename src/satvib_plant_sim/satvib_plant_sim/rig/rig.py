@@ -19,6 +19,7 @@ from typing import Any
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, load_yaml, param, parse_yaml
 from satvib_common.settings_text import change_existing
+from satvib_common.struts import strut_angles
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +52,11 @@ class Struts(Schema):
     stroke_limit: float = param(description='stroke to the stop, either way', unit='m', above=0.0)
     stop_stiffness: float = param(description='stiffness of a stop', unit='N/m', above=0.0)
     stop_damping: float = param(description='damping of a stop', unit='N s/m', minimum=0.0)
+
+    @property
+    def angles(self) -> list[float]:
+        """Angles of the struts from x, deg."""
+        return strut_angles(self.count, self.first_angle)
 
     def check(self) -> None:
         """Refuse factors that do not fit the struts."""

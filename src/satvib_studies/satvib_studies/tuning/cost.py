@@ -24,7 +24,7 @@ from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 from satvib_common.signals.integrator import leaky_integrator
-from satvib_control.laws.centralized.geometry import mode_matrix, strut_matrix
+from satvib_common.struts import mode_matrix, strut_matrix
 from satvib_plant_sim.disturbance import Disturbance
 from satvib_plant_sim.physics.noise import noise_floor
 from satvib_plant_sim.responses.all_struts import rig_response
@@ -71,7 +71,7 @@ class TuningCost:
         self, rig: Rig, disturbance: Disturbance, settings: CostSettings | None = None
     ) -> None:
         self.rig, self.settings = rig, settings or CostSettings()
-        p, n = self.settings, rig.struts.count
+        p = self.settings
         self.plants = perturbed(rig, p.plants, p.seed)
         spectrum = spectrum_of(disturbance, rig, p.seed, p.duration)
         self.frequency, self.power = spectrum.frequency, spectrum.power
@@ -82,7 +82,7 @@ class TuningCost:
             np.stack([getattr(r, name) for r in found])
             for name in ('read_voltage', 'true_voltage', 'read_source', 'true_source')
         ]
-        angles = [rig.struts.first_angle + 360.0 * i / n for i in range(n)]
+        angles = rig.struts.angles
         self._strut, self._mode = strut_matrix(angles), mode_matrix(angles)
         b, a = leaky_integrator(p.corner, rig.acquisition.period)
         z = np.exp(-2j * math.pi * self.frequency * rig.acquisition.period)

@@ -11,7 +11,7 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.levels import decibel
 from satvib_common.signals.integrator import leaky_integrator
-from satvib_control.laws.centralized.geometry import mode_matrix, strut_matrix
+from satvib_common.struts import mode_matrix, strut_matrix
 from satvib_plant_sim.responses.all_struts import rig_response
 from satvib_plant_sim.rig.rig import Rig
 
@@ -28,8 +28,7 @@ def closed_transmission(rig: Rig, gains: Array, corner: float, frequency: Array)
         frequency: Hz.
     """
     n = rig.struts.count
-    angles = [rig.struts.first_angle + 360.0 * i / n for i in range(n)]
-    T, mode = strut_matrix(angles), mode_matrix(angles)
+    T, mode = strut_matrix(rig.struts.angles), mode_matrix(rig.struts.angles)
     r = rig_response(rig, frequency)
     b, a = leaky_integrator(corner, rig.acquisition.period)
     z = np.exp(-2j * math.pi * frequency * rig.acquisition.period)

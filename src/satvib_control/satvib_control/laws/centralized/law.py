@@ -22,9 +22,9 @@ from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 from satvib_common.phases import Phase
 from satvib_common.signals.integrator import leaky_integrator
+from satvib_common.struts import mode_matrix, strut_matrix
 
 from satvib_control.laws.base import BasicLaw, LawInput
-from satvib_control.laws.centralized.geometry import mode_matrix, strut_matrix
 from satvib_control.laws.centralized.parameters import CentralizedParameters
 from satvib_control.laws.reasons import reason
 

@@ -2,17 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The centralized law and its core: modes, the shared fate of the struts, and bits that do not depend on the batch."""
 
-import math
-
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.signals.integrator import leaky_integrator
+from satvib_common.struts import strut_matrix
 from satvib_control.core.centralized import CentralizedCore, make_core
 from satvib_control.core.controller import ControllerCore
 from satvib_control.core.faults import LOST_LONG
-from satvib_control.laws.centralized.geometry import mode_matrix, strut_matrix
 from satvib_control.laws.centralized.law import BLIND
 from satvib_control.laws.centralized.parameters import CentralizedParameters
 from satvib_control.nodes.sample_gatherer import Gathering
@@ -33,18 +31,6 @@ def answers(core, upper):
     """Voltages (samples, *shape) to accelerations (samples, *shape)."""
     zero = np.zeros(upper.shape[1:])
     return np.array([core.step(k, NOW, y, zero).voltage for k, y in enumerate(upper)])
-
-
-def test_the_modes_of_three_struts_are_those_of_the_drawing():
-    """Truth: the paper's Fig. 1 by hand: a tilt about x moves y by y alpha, one about y moves x by -x beta."""
-    angles = (90.0, 210.0, 330.0)
-    r, heave, alpha, beta = 0.15, 0.3, 0.02, -0.05
-    places = [(r * math.cos(math.radians(a)), r * math.sin(math.radians(a))) for a in angles]
-    moved = np.array([heave + y * alpha - x * beta for x, y in places])
-    assert mode_matrix(angles) @ moved == pytest.approx([heave, r * alpha, r * beta], abs=1e-15)
-    assert mode_matrix(angles) @ strut_matrix(angles) == pytest.approx(np.eye(3), abs=1e-15)
-    with pytest.raises(SatvibError, match='not three places'):
-        strut_matrix((0.0, 0.0, 120.0))
 
 
 def test_equal_gains_are_a_pid_at_every_strut():
