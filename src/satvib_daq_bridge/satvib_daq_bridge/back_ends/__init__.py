@@ -1,24 +1,14 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Back ends: sibling files, chosen by name, imported on use: a missing library is missed by its users only."""
+"""Back ends: one module for each kind of converter board, loaded when it is used."""
 
-import importlib
+from typing import TYPE_CHECKING
 
-from satvib_daq_bridge.back_ends.base import BackEnd
-from satvib_daq_bridge.channels import Channels
+from satvib_common.door import door
 
+if TYPE_CHECKING:
+    from satvib_daq_bridge.back_ends.base import BackEnd, BackEndError, EndOfRecordError, Reading
+    from satvib_daq_bridge.back_ends.factory import make_back_end
 
-def make_back_end(channels: Channels, period: float, lifetime: float) -> BackEnd:
-    """Build the back end that the channels name; nothing is opened yet.
-
-    Args:
-        channels: checked channels; `BACK_ENDS` are the names.
-        period: s, sample period.
-        lifetime: s, how long a device with a watchdog of its own keeps a command.
-
-    Raises:
-        SatvibError: options or channels that the back end cannot do, or a library that is not there.
-    """
-    module = importlib.import_module(f'satvib_daq_bridge.back_ends.{channels.back_end}')
-    made: BackEnd = module.make(channels, period, lifetime)
-    return made
+__all__ = ['BackEnd', 'BackEndError', 'EndOfRecordError', 'Reading', 'make_back_end']
+__getattr__, __dir__ = door(__name__, __file__)

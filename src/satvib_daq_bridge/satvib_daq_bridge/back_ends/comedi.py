@@ -20,7 +20,7 @@ from satvib_common.schema import Schema, param
 
 from satvib_daq_bridge.back_ends.base import BackEndError, options_of
 from satvib_daq_bridge.back_ends.comedi_library import AI, AO, REFERENCES, UNIT_VOLT, Comedi
-from satvib_daq_bridge.back_ends.polled import Polled
+from satvib_daq_bridge.back_ends.pace.polled import Polled
 from satvib_daq_bridge.channels import Channel, Channels
 
 
@@ -35,7 +35,7 @@ class Options(Schema):
 
 
 @dataclass(frozen=True)
-class _Line:
+class _Opened:
     """One channel, ready to be read or written."""
 
     name: str
@@ -58,8 +58,8 @@ class ComediBoards(Polled):
         self._reference = REFERENCES[options.reference]
         self._handles: dict[str, Any] = {}
         self._locked: list[tuple[Any, int]] = []
-        self._inputs: list[_Line] = []
-        self._outputs: list[_Line] = []
+        self._inputs: list[_Opened] = []
+        self._outputs: list[_Opened] = []
 
     def open(self) -> str:
         """Open the devices, find every channel and its range, and write 0 V."""
@@ -80,7 +80,7 @@ class ComediBoards(Polled):
 
     def read(self) -> Array:
         """Read one input after the other."""
-        return np.array([self._read(line) for line in self._inputs])
+        return np.array([self._read(opened) for opened in self._inputs])
 
     def close(self) -> None:
         """Unlock and close."""
@@ -92,7 +92,7 @@ class ComediBoards(Polled):
         self._handles.clear()
         self._inputs, self._outputs, self.writers = [], [], []
 
-    def _find(self, name: str, channel: Channel, kind: int) -> _Line:
+    def _find(self, name: str, channel: Channel, kind: int) -> _Opened:
         library, where = self._library, f'{self.channels.where}: {name}'
         handle = self._handle(channel.device)
         what = 'inputs' if kind == AI else 'outputs'
@@ -120,7 +120,7 @@ class ComediBoards(Polled):
             raise SatvibError(
                 f'{where}: bits: {channel.bits}, but the converter has codes from 0 to {maxdata}'
             )
-        return _Line(name, handle, subdevice, channel.index, index, limits, maxdata)
+        return _Opened(name, handle, subdevice, channel.index, index, limits, maxdata)
 
     def _handle(self, device: str) -> Any:
         if device not in self._handles:
@@ -135,27 +135,27 @@ class ComediBoards(Polled):
 
     def _lock(self) -> None:
         """Keep other programs from the outputs."""
-        for handle, subdevice in {(line.handle, line.subdevice) for line in self._outputs}:
+        for handle, subdevice in {(opened.handle, opened.subdevice) for opened in self._outputs}:
             device = next(d for d, h in self._handles.items() if h == handle)
             self._library.checked(device, 'comedi_lock', handle, subdevice)
             self._locked.append((handle, subdevice))
 
-    def _read(self, line: _Line) -> float:
+    def _read(self, opened: _Opened) -> float:
         data = ctypes.c_uint()
         self._library.checked(
-            line.name, 'comedi_data_read', line.handle, line.subdevice, line.channel,
-            line.range_index, self._reference, ctypes.byref(data),
+            opened.name, 'comedi_data_read', opened.handle, opened.subdevice, opened.channel,
+            opened.range_index, self._reference, ctypes.byref(data),
         )  # fmt: skip
-        return float(self._library.call('comedi_to_phys', data.value, line.range, line.maxdata))
+        return float(self._library.call('comedi_to_phys', data.value, opened.range, opened.maxdata))
 
     def _put(self, position: int, volts: Array) -> None:
-        line = self._outputs[position]
+        opened = self._outputs[position]
         code = self._library.call(
-            'comedi_from_phys', float(volts[position]), line.range, line.maxdata
+            'comedi_from_phys', float(volts[position]), opened.range, opened.maxdata
         )
         self._library.checked(
-            line.name, 'comedi_data_write', line.handle, line.subdevice, line.channel,
-            line.range_index, REFERENCES['ground'], code,
+            opened.name, 'comedi_data_write', opened.handle, opened.subdevice, opened.channel,
+            opened.range_index, REFERENCES['ground'], code,
         )  # fmt: skip
 
 

@@ -27,7 +27,7 @@ from satvib_daq_bridge.back_ends.base import (
     missing_library,
     options_of,
 )
-from satvib_daq_bridge.back_ends.polled import Polled
+from satvib_daq_bridge.back_ends.pace.polled import Polled
 from satvib_daq_bridge.channels import Channel, Channels
 
 
@@ -40,7 +40,7 @@ class Options(Schema):
 
 
 @dataclass(frozen=True)
-class _Line:
+class _Opened:
     """One channel: its attribute `raw`, and what a count means."""
 
     name: str
@@ -72,8 +72,8 @@ class IioDevices(Polled):
         self._library = iio
         self.options = options
         self._context: Any = None
-        self._inputs: list[_Line] = []
-        self._outputs: list[_Line] = []
+        self._inputs: list[_Opened] = []
+        self._outputs: list[_Opened] = []
 
     def open(self) -> str:
         """Find every channel; outputs first, at 0 V."""
@@ -102,9 +102,9 @@ class IioDevices(Polled):
     def read(self) -> Array:
         """Read one input after the other."""
         volts = np.empty(len(self._inputs))
-        for i, line in enumerate(self._inputs):
-            with _told(line.name, 'read'):
-                volts[i] = line.volts()
+        for i, opened in enumerate(self._inputs):
+            with _told(opened.name, 'read'):
+                volts[i] = opened.volts()
         return volts
 
     def close(self) -> None:
@@ -113,11 +113,11 @@ class IioDevices(Polled):
         self._context = None
 
     def _put(self, position: int, volts: Array) -> None:
-        line = self._outputs[position]
-        with _told(line.name, 'write'):
-            line.set(float(volts[position]))
+        opened = self._outputs[position]
+        with _told(opened.name, 'write'):
+            opened.set(float(volts[position]))
 
-    def _find(self, name: str, channel: Channel, output: bool) -> _Line:
+    def _find(self, name: str, channel: Channel, output: bool) -> _Opened:
         where = f'{self.channels.where}: {name}'
         device = self._context.find_device(channel.device)
         if device is None:
@@ -142,7 +142,7 @@ class IioDevices(Polled):
                 f'{where}: bits: range and bits mean {channel.step:g} V a count, the device says '
                 f'{scale:g} V'
             )
-        return _Line(name, found.attrs['raw'], offset, scale)
+        return _Opened(name, found.attrs['raw'], offset, scale)
 
 
 @contextlib.contextmanager

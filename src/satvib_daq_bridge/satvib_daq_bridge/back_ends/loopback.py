@@ -22,7 +22,7 @@ from satvib_daq_bridge.back_ends.base import (
     options_of,
     single_device,
 )
-from satvib_daq_bridge.back_ends.paced import PACES, Paced
+from satvib_daq_bridge.back_ends.pace.paced import PACES, Paced
 from satvib_daq_bridge.channels import Channels
 from satvib_daq_bridge.simulated.bench import Bench
 

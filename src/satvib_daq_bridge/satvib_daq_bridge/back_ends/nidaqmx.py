@@ -25,7 +25,7 @@ from satvib_daq_bridge.back_ends.base import (
     missing_library,
     options_of,
 )
-from satvib_daq_bridge.back_ends.polled import Polled
+from satvib_daq_bridge.back_ends.pace.polled import Polled
 from satvib_daq_bridge.channels import Channels
 
 _REFERENCES = ('default', 'rse', 'nrse', 'diff', 'pseudo_diff')

@@ -21,8 +21,8 @@ from satvib_daq_bridge.back_ends.base import (
     Reading,
     options_of,
 )
-from satvib_daq_bridge.back_ends.paced import PACES, Paced
-from satvib_daq_bridge.back_ends.sensor_record import read_bag, read_csv
+from satvib_daq_bridge.back_ends.pace.paced import PACES, Paced
+from satvib_daq_bridge.back_ends.sensor_file import read_bag, read_csv
 from satvib_daq_bridge.channels import Channels
 
 

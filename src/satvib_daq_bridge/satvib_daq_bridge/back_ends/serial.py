@@ -5,8 +5,8 @@
 The device owns the time. Its clock is mapped to the host's by the fastest frames: the least delay seen so far, allowed
 to drift by `_DRIFT`, so that a stall of the host shows as lateness and not as a shifted sample.
 
-Writing never waits: while an older frame is still on its way out, a newer command is given up, and the lifetime at the
-device decides.
+Writing never waits: while an older frame is still unsent, a newer command is given up, and the lifetime at the device
+decides.
 """
 
 import math
@@ -26,30 +26,13 @@ from satvib_daq_bridge.back_ends.base import (
     BackEndError,
     Reading,
     check_indices,
-    missing_library,
     options_of,
     single_device,
 )
+from satvib_daq_bridge.back_ends.serial_port import Port
 from satvib_daq_bridge.channels import Channel, Channels
-from satvib_daq_bridge.protocol.framing import FrameReader, frame
-from satvib_daq_bridge.protocol.messages import (
-    VERSION,
-    Command,
-    Configure,
-    Configured,
-    Flag,
-    Hello,
-    Hold,
-    Identity,
-    Message,
-    Refusal,
-    Sample,
-    Stop,
-    Zero,
-    newer,
-    pack,
-    parse,
-)
+from satvib_daq_bridge.protocol import messages
+from satvib_daq_bridge.protocol.framing import FrameReader
 
 _DRIFT = 2e-4  # of the clocks against each other, generously
 _MICRO = 1e6
@@ -75,41 +58,31 @@ class Serial(BackEnd):
         self.path = single_device(channels)
         self._inputs = np.array([c.index for _, c in channels.inputs])
         self._outputs = np.array([c.index for _, c in channels.outputs])
-        self._port: Any = None
+        self._port = Port(self.path, options.baud)
         self._reader = FrameReader()
-        self._unsent = b''
         self._session = 0
         self._number = 0
-        self._identity: Identity | None = None
+        self._identity: messages.Identity | None = None
         self._sequence = -1
         self._device_time = 0
         self._offset = math.inf
         self._last_heard = 0.0
         self._enabled = False
-        self._told: Sample | None = None
+        self._told: messages.Sample | None = None
         self.given_up = 0
         self.lost = 0
 
     def open(self) -> str:
         """Open the line, put the device to 0 V and ask what it is."""
-        try:
-            import serial
-        except ImportError:
-            raise missing_library('serial', 'pyserial', 'pip install pyserial') from None
-        try:
-            self._port = serial.Serial(
-                self.path, self.options.baud, timeout=0, write_timeout=0, exclusive=True
-            )
-        except (OSError, ValueError) as error:
-            raise SatvibError(
-                f'{self.path}: the port cannot be opened: {error}; is the device plugged in, the port '
-                "free, and are you in the group 'dialout'?"
-            ) from None
+        self._port.open()
         # a zero byte ends whatever a writer before us left unfinished
-        self._send_all(b'\0' + frame(pack(Zero())))
+        self._port.send_all(b'\0' + messages.to_wire(messages.Zero()))
         asked = int.from_bytes(os.urandom(4), 'little')
-        found = self._ask(Hello(0, asked), lambda m: isinstance(m, Identity) and m.number == asked)
-        assert isinstance(found, Identity)
+        found = self._ask(
+            messages.Hello(0, asked),
+            lambda m: isinstance(m, messages.Identity) and m.number == asked,
+        )
+        assert isinstance(found, messages.Identity)
         self._check_identity(found)
         self._identity = found
         return f'{found.name} on {self.path}: {found.inputs} inputs, {found.outputs} outputs'
@@ -121,21 +94,22 @@ class Serial(BackEnd):
         limits = [0] * self._identity.outputs
         for _, coil in self.channels.outputs:
             limits[coil.index] = math.ceil(coil.limit / coil.gain * _MICRO)
-        setup = Configure(
+        setup = messages.Configure(
             self._session,
             1,
             round(self.period * 1e9),
             round(self.lifetime * _MICRO),
-            Hold[self.options.hold.upper()],
+            messages.Hold[self.options.hold.upper()],
             self._identity.inputs,
             tuple(limits),
         )
         session = self._session
         answer = self._ask(
-            setup, lambda m: isinstance(m, Configured) and m.session == session and m.number == 1
+            setup,
+            lambda m: isinstance(m, messages.Configured) and m.session == session and m.number == 1,
         )
-        assert isinstance(answer, Configured)
-        if answer.refusal is not Refusal.NONE:
+        assert isinstance(answer, messages.Configured)
+        if answer.refusal is not messages.Refusal.NONE:
             raise SatvibError(
                 f'{self.path}: the device refuses the set-up ({answer.refusal.name.lower()}): period '
                 f'{self.period:g} s, lifetime {self.lifetime:g} s; its shortest period is '
@@ -149,14 +123,14 @@ class Serial(BackEnd):
 
     def fileno(self) -> int:
         """The line."""
-        return -1 if self._port is None else int(self._port.fileno())
+        return self._port.fileno()
 
     def poll(self, now: float) -> list[Reading]:
         """Give the samples that have arrived."""
-        self._flush()
+        self._port.flush()
         readings = []
         for message in self._receive():
-            if isinstance(message, Sample) and message.session == self._session:
+            if isinstance(message, messages.Sample) and message.session == self._session:
                 reading = self._reading(message, now)
                 if reading is not None:
                     readings.append(reading)
@@ -170,36 +144,32 @@ class Serial(BackEnd):
         for index, value in zip(self._outputs, volts, strict=True):
             values[index] = round(float(value) * _MICRO)
         self._number = (self._number + 1) & 0xFFFFFFFF
-        command = Command(self._session, self._number, sequence & 0xFFFFFFFF, enable, tuple(values))
+        command = messages.Command(
+            self._session, self._number, sequence & 0xFFFFFFFF, enable, tuple(values)
+        )
         self._enabled = enable
-        self._flush()
-        if self._unsent:
-            self.given_up += 1
-            return
-        self._unsent = frame(pack(command))
-        self._flush()
+        self.given_up += not self._port.offer(messages.to_wire(command))
 
     def zero(self) -> None:
         """Say it twice: ZERO, which needs no session, and a command without enable."""
-        if self._port is None:
+        if not self._port.is_open:
             return
         self._enabled = False
         try:
-            self._send_all(b'\0' + frame(pack(Zero())), patience=0.05)
+            self._port.send_all(b'\0' + messages.to_wire(messages.Zero()), patience=0.05)
         except (BackEndError, SatvibError):
             return
 
     def close(self) -> None:
         """End the session and let go of the line."""
-        if self._port is None:
+        if not self._port.is_open:
             return
         try:
-            self._send_all(b'\0' + frame(pack(Stop())), patience=0.05)
+            self._port.send_all(b'\0' + messages.to_wire(messages.Stop()), patience=0.05)
         except (BackEndError, SatvibError):
             pass
         finally:
             self._port.close()
-            self._port = None
 
     def figures(self) -> dict[str, float]:
         """Counts of the line."""
@@ -214,12 +184,12 @@ class Serial(BackEnd):
             'dropped by device': float(told.dropped if told else 0),
         }
 
-    def _reading(self, message: Sample, now: float) -> Reading | None:
+    def _reading(self, message: messages.Sample, now: float) -> Reading | None:
         """Bring a sample into the host's count and time; None for one that is not newer."""
         assert self._identity is not None
         if len(message.inputs) != self._identity.inputs:
             return None
-        if self._sequence >= 0 and not newer(message.number, self._sequence & 0xFFFFFFFF):
+        if self._sequence >= 0 and not messages.newer(message.number, self._sequence & 0xFFFFFFFF):
             return None
         before = self._sequence
         self._sequence += (message.number - self._sequence) & 0xFFFFFFFF
@@ -231,17 +201,17 @@ class Serial(BackEnd):
         self._last_heard = now
         self._told = message
         fault = ''
-        if Flag.EXPIRED in message.flags and self._enabled:
+        if messages.Flag.EXPIRED in message.flags and self._enabled:
             fault = 'the device had no command within its lifetime and is at 0 V'
         volts = np.array(message.inputs, dtype=float)[self._inputs] / _MICRO
         when = taken + self._offset
         return Reading(self._sequence, when, volts, now - when, fault)
 
-    def _check_identity(self, found: Identity) -> None:
-        if found.version != VERSION:
+    def _check_identity(self, found: messages.Identity) -> None:
+        if found.version != messages.VERSION:
             raise SatvibError(
                 f'{self.path}: the device speaks version {found.version} of the protocol, this is '
-                f'version {VERSION}; load the matching firmware'
+                f'version {messages.VERSION}; load the matching firmware'
             )
         where = self.channels.where
         check_indices(where, self.channels.inputs, found.inputs, 'input')
@@ -260,11 +230,11 @@ class Serial(BackEnd):
                 f'but the device says {low:g} to {high:g} V'
             )
 
-    def _ask(self, question: Message, is_answer: Any) -> Message:
+    def _ask(self, question: messages.Message, is_answer: Any) -> messages.Message:
         """Send a question until its answer comes."""
         deadline = time.monotonic() + self.options.patience
         while time.monotonic() < deadline:
-            self._send_all(frame(pack(question)))
+            self._port.send_all(messages.to_wire(question))
             again = time.monotonic() + 0.25
             while time.monotonic() < again:
                 select.select([self.fileno()], [], [], 0.05)
@@ -276,47 +246,8 @@ class Serial(BackEnd):
             f'({self._reader.rejected} broken frames seen); is it this port, the right firmware and rate?'
         )
 
-    def _receive(self) -> list[Message]:
-        try:
-            data = os.read(self.fileno(), 65536)
-        except BlockingIOError:
-            return []
-        except OSError as error:
-            raise BackEndError(f'{self.path}: the line is gone: {error.strerror}') from None
-        if not data and self._hung_up():
-            raise BackEndError(f'{self.path}: the line is gone: unplugged')
-        return [m for m in map(parse, self._reader.feed(data)) if m is not None]
-
-    def _hung_up(self) -> bool:
-        """Whether nothing to read means that nobody is there; a terminal may say it either way."""
-        poller = select.poll()
-        poller.register(self.fileno(), select.POLLIN)
-        gone = select.POLLHUP | select.POLLERR | select.POLLNVAL
-        return any(events & gone for _, events in poller.poll(0))
-
-    def _flush(self) -> None:
-        """Write what the line takes now."""
-        if not self._unsent:
-            return
-        try:
-            written = os.write(self.fileno(), self._unsent)
-        except BlockingIOError:
-            return
-        except OSError as error:
-            raise BackEndError(f'{self.path}: the line is gone: {error.strerror}') from None
-        self._unsent = self._unsent[written:]
-
-    def _send_all(self, data: bytes, patience: float = 1.0) -> None:
-        """Write all of it, waiting a little; for the moments when nothing else matters."""
-        self._unsent += data
-        deadline = time.monotonic() + patience
-        while self._unsent:
-            self._flush()
-            left = deadline - time.monotonic()
-            if self._unsent and (
-                left <= 0.0 or not select.select([], [self.fileno()], [], left)[1]
-            ):
-                raise BackEndError(f'{self.path}: the line takes nothing')
+    def _receive(self) -> list[messages.Message]:
+        return messages.read_stream(self._reader, self._port.read())
 
 
 def make(channels: Channels, period: float, lifetime: float) -> Serial:

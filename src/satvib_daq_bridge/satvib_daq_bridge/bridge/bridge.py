@@ -19,7 +19,7 @@ from satvib_daq_bridge.bridge.bias import SensorBias
 from satvib_daq_bridge.bridge.sensors import Sensors
 from satvib_daq_bridge.bridge.timing import Timing
 from satvib_daq_bridge.channels import Channels
-from satvib_daq_bridge.guardian import link as line
+from satvib_daq_bridge.guardian import link
 from satvib_daq_bridge.parameters import BridgeParameters
 from satvib_daq_bridge.states import State, StateMachine, Transition
 
@@ -48,7 +48,7 @@ class Bridge:
 
     Args:
         channels, parameters: checked.
-        send: takes messages for the guardian (`line`).
+        send: takes messages for the guardian (`link`).
         told: called with each change of state.
         latched: the fault that a bridge before this one has latched.
 
@@ -153,7 +153,7 @@ class Bridge:
         """
         self._missed = 0
         self.sensors.reset()
-        self._send(bytes([line.RESET]))
+        self._send(link.pack(link.ToGuardian.RESET))
         self.states.reset()
 
     def command(self, strut: int, sequence: int, voltage: float) -> None:
@@ -168,7 +168,7 @@ class Bridge:
             )
             return
         self._answered[strut] = sequence
-        message = line.pack_command(strut, taken, voltage)
+        message = link.pack_command(strut, taken, voltage)
         if self.virtual:
             # the guardian acts on the last voltage of a sample: the state comes first
             self._try_to_activate()
@@ -180,15 +180,15 @@ class Bridge:
     def take(self, message: bytes, now: float) -> Published | None:
         """Take what the guardian says; gives a sample to publish, or None."""
         kind = message[0]
-        if kind == line.SAMPLE:
-            return self._sample(line.read_sample(message), now)
-        if kind == line.FAULT:
-            self.states.fault(line.read_text(message))
-        elif kind == line.FIGURES:
-            self.figures = line.read_text(message)
-        elif kind == line.ENDED:
+        if kind == link.ToBridge.SAMPLE:
+            return self._sample(link.read_sample(message), now)
+        if kind == link.ToBridge.FAULT:
+            self.states.fault(link.read_text(message))
+        elif kind == link.ToBridge.FIGURES:
+            self.figures = link.read_text(message)
+        elif kind == link.ToBridge.ENDED:
             self.states.stop('the record is over')
-            self.over = line.read_text(message)
+            self.over = link.read_text(message)
         return None
 
     def tick(self, now: float) -> None:
@@ -220,7 +220,7 @@ class Bridge:
         self._silent_since = math.inf
         self.states.fault(f'the guardian {how}')
 
-    def _sample(self, taken: line.Taken, now: float) -> Published | None:
+    def _sample(self, taken: link.Taken, now: float) -> Published | None:
         self._silent_since = now
         self.lost += taken.sequence - self._sequence - 1 if self._sequence >= 0 else 0
         self._sequence = taken.sequence
@@ -241,7 +241,7 @@ class Bridge:
         lower = np.append(corrected, math.nan)[self._lower]
         return Published(sequence, taken.time, corrected[: len(self.struts)], lower)
 
-    def _watch(self, taken: line.Taken) -> None:
+    def _watch(self, taken: link.Taken) -> None:
         wrong = self.sensors.watch(taken.volts)
         if wrong:
             self.states.fault(wrong)
@@ -276,7 +276,7 @@ class Bridge:
         self.timing = Timing(self.parameters.period)
         self._base = self._sequence + 1
         self._answered[:] = -1
-        self._send(bytes([line.BEGIN]))
+        self._send(link.pack(link.ToGuardian.BEGIN))
         if self._held:
             self._next()
         return True
@@ -289,14 +289,14 @@ class Bridge:
 
     def _next(self) -> None:
         self._held = False
-        self._send(bytes([line.NEXT]))
+        self._send(link.pack(link.ToGuardian.NEXT))
 
     def _changed(self, transition: Transition) -> None:
         self._changed_mode()
         self._told(transition)
 
     def _changed_mode(self) -> None:
-        self._send(line.pack_mode(self.states.state))
+        self._send(link.pack_mode(self.states.state))
 
     def _lower_positions(self) -> Integers:
         """Where each strut's lower sensor stands among the inputs; one beyond the end: nowhere."""

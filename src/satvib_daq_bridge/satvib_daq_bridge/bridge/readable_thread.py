@@ -1,25 +1,25 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Wakes a loop that cannot wait on a descriptor: a thread that does nothing else."""
+"""A thread that reports when a descriptor is readable, for a loop that cannot wait on a descriptor itself."""
 
 import select
 import threading
 from collections.abc import Callable
 
-_AGAIN = 0.001  # s; a ring may fall between two waits of the loop and be lost
+_AGAIN = 0.001  # s; a report between two waits of the loop may be lost, so it is repeated
 
 
-class Bell(threading.Thread):
-    """Rings when a descriptor is readable, and again until somebody has read it.
+class ReadableThread(threading.Thread):
+    """Reports that a descriptor is readable, and repeats it until the data has been read.
 
     Args:
         descriptor: what to watch.
-        ring: called from this thread.
+        report: called from this thread.
     """
 
-    def __init__(self, descriptor: int, ring: Callable[[], None]) -> None:
-        super().__init__(daemon=True, name='bell')
-        self._descriptor, self._ring = descriptor, ring
+    def __init__(self, descriptor: int, report: Callable[[], None]) -> None:
+        super().__init__(daemon=True, name='readable')
+        self._descriptor, self._report = descriptor, report
         self._answered = threading.Event()
         self._over = False
 
@@ -28,7 +28,7 @@ class Bell(threading.Thread):
         while not self._over:
             if select.select([self._descriptor], [], [], 0.1)[0] and not self._over:
                 self._answered.clear()
-                self._ring()
+                self._report()
                 self._answered.wait(_AGAIN)
 
     def answer(self) -> None:

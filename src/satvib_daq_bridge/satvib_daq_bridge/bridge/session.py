@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A bridge with its guardian: from the channels file to samples, and back to 0 V.
 
-Everything that the node does and that is not ROS. The bell rings when the guardian has said something; `serve` then
-takes it.
+Everything that the node does and that is not ROS. A thread reports that the guardian has sent something; `serve` then
+reads it.
 """
 
 import time
@@ -14,7 +14,7 @@ from satvib_common.schema import load_yaml
 
 from satvib_daq_bridge.bridge.bias import save_bias
 from satvib_daq_bridge.bridge.bridge import Bridge, Published
-from satvib_daq_bridge.bridge.readable_thread import Bell
+from satvib_daq_bridge.bridge.readable_thread import ReadableThread
 from satvib_daq_bridge.channels import parse_channels
 from satvib_daq_bridge.guardian.child_process import GuardianProcess
 from satvib_daq_bridge.parameters import BridgeParameters
@@ -29,7 +29,7 @@ class Session:
 
     Args:
         parameters: checked.
-        ring: called from a thread of its own when there is something to serve.
+        report: called from a thread of its own when there is something to serve.
         told: called with each change of state.
         latched: the fault that a session before this one has latched.
 
@@ -44,11 +44,11 @@ class Session:
     def __init__(
         self,
         parameters: BridgeParameters,
-        ring: Callable[[], None],
+        report: Callable[[], None],
         told: Callable[[Transition], None],
         latched: Transition | None = None,
     ) -> None:
-        self.parameters, self._ring = parameters, ring
+        self.parameters, self._report = parameters, report
         self.notes: list[str] = []
         path = Path(parameters.channels)
         data = load_yaml(path)
@@ -73,19 +73,19 @@ class Session:
         found = []
         bridge = self.bridge
         if self.guardian is not None:
-            while message := self.guardian.line.receive():
+            while message := self.guardian.link.receive():
                 self._heard = time.monotonic()
                 published = bridge.take(message, self._heard)
                 if published is not None:
                     found.append(published)
-            self._bell.answer()
-            if self.guardian.line.closed:
+            self._thread.answer()
+            if self.guardian.link.closed:
                 if not bridge.over:
                     bridge.guardian_died(self.guardian.how())
                 self._let_go()
             elif time.monotonic() - self._heard > _HANGS:
                 bridge.guardian_died(f'says nothing for {_HANGS:g} s and is replaced')
-                self._bell.stop()
+                self._thread.stop()
                 self.guardian.zero_outputs()
                 self.guardian = None
         bridge.tick(time.monotonic())
@@ -117,8 +117,8 @@ class Session:
         found = self.guardian.found
         self.notes += [found['found'], *(f'guardian: {text}' for text in found['refused'])]
         self._heard = time.monotonic()
-        self._bell = Bell(self.guardian.line.fileno(), self._ring)
-        self._bell.start()
+        self._thread = ReadableThread(self.guardian.link.fileno(), self._report)
+        self._thread.start()
         return bool(found['virtual'])
 
     def _store(self) -> None:
@@ -128,10 +128,10 @@ class Session:
 
     def _let_go(self) -> None:
         if self.guardian is not None:
-            self._bell.stop()
+            self._thread.stop()
             self.guardian.stop()
             self.guardian = None
 
     def _tell(self, message: bytes) -> None:
         if self.guardian is not None:
-            self.guardian.line.send(message)
+            self.guardian.link.send(message)

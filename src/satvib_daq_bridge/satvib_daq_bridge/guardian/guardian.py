@@ -3,35 +3,24 @@
 """The guardian: the small process that owns the outputs.
 
 It holds the back end and the output guard, and nothing that computes. Samples go up to the bridge, voltages come down,
-and every one of them passes the guard. When the bridge dies, by whatever signal, the line between them ends and the
-outputs go to 0 V; the same on SIGTERM, SIGINT, a fault, or any error here. What it cannot survive is its own SIGKILL:
-then the device's watchdog is what is left, and the bridge, which notices and sends somebody to zero the outputs.
+and every one of them passes the guard. When the bridge ends, by any signal, the link between them ends and the outputs
+go to 0 V; the same on SIGTERM, SIGINT, a fault, or any error here. After its own SIGKILL it can do nothing: then the
+device's watchdog acts, and the bridge notices and starts another guardian that puts the outputs to 0 V.
 
 Voltages leave once per sample: when every strut has answered it, or, when the next sample is there first, with those
 that have. In every state but ACTIVE, 0 V leaves with each sample.
 """
 
-import argparse
 import contextlib
 import math
-import os
 import select
-import signal
-import socket
-import sys
 import time
 from collections.abc import Callable
-from types import FrameType
-from typing import Any
 
 import numpy as np
-from satvib_common.errors import SatvibError
-from satvib_common.realtime import set_priority, set_processor
 
-from satvib_daq_bridge.back_ends import make_back_end
 from satvib_daq_bridge.back_ends.base import BackEnd, BackEndError, EndOfRecordError, Reading
-from satvib_daq_bridge.channels import parse_channels
-from satvib_daq_bridge.guardian import link as line
+from satvib_daq_bridge.guardian import link
 from satvib_daq_bridge.guardian.output_guard import OutputGuard
 from satvib_daq_bridge.states import State
 
@@ -46,7 +35,7 @@ class Guardian:
     Args:
         back_end: open and not yet started.
         guard: of all its outputs.
-        bridge: the line.
+        bridge: its end of the link.
         clock: s of the monotonic clock.
     """
 
@@ -54,7 +43,7 @@ class Guardian:
         self,
         back_end: BackEnd,
         guard: OutputGuard,
-        bridge: line.Line,
+        bridge: link.Link,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.back_end, self.guard, self.bridge, self.clock = back_end, guard, bridge, clock
@@ -64,7 +53,7 @@ class Guardian:
         self._demand = np.zeros(count)
         self._answers = np.full(count, -1)
         self._times: dict[int, float] = {}
-        self._now = -1  # the sample that is out
+        self._now = -1  # the present sample
         self._left = True  # voltages have left for it
         self._applied_at = 0.0
         self._latency = math.nan
@@ -93,12 +82,12 @@ class Guardian:
                 self._apply()
         except EndOfRecordError as ended:
             self.guard.zero()
-            self.bridge.send(line.pack_text(line.ENDED, str(ended)))
+            self.bridge.send(link.pack_text(link.ToBridge.ENDED, str(ended)))
             self.over = True
         except BackEndError as error:
             self._fault(str(error))
             self.over = True
-        # also the sign that this process lives, whatever the device does
+        # also tells the bridge that this process runs, when the device sends nothing
         if self.clock() - self._figures_at >= _FIGURES_EVERY:
             self._figures_at = self.clock()
             self._tell_figures()
@@ -112,7 +101,7 @@ class Guardian:
             self.over = True
 
     def finish(self) -> None:
-        """Go to 0 V and let go of the devices, whatever happens."""
+        """Go to 0 V and close the devices, also after errors."""
         self.guard.zero()
         with contextlib.suppress(Exception):
             self.back_end.zero()
@@ -122,27 +111,28 @@ class Guardian:
     def _take(self, message: bytes) -> None:
         kind = message[0]
         try:
-            if kind == line.COMMAND:
-                self._command(*line.read_command(message))
-            elif kind == line.MODE:
+            if kind == link.ToGuardian.COMMAND:
+                self._command(*link.read_command(message))
+            elif kind == link.ToGuardian.MODE:
                 self._mode(State(message[1]))
-            elif kind == line.RESET:
+            elif kind == link.ToGuardian.RESET:
                 self.guard.reset()
-            elif kind == line.BEGIN:
+            elif kind == link.ToGuardian.BEGIN:
                 self.back_end.begin_run()
-            elif kind == line.NEXT and not self._left:
+            elif kind == link.ToGuardian.NEXT and not self._left:
                 self._apply()
-            elif kind == line.QUIT:
+            elif kind == link.ToGuardian.QUIT:
                 self.over = True
         except BackEndError as error:
             self._fault(str(error))
             self.over = True
 
-    def _command(self, strut: int, sequence: int, voltage: float) -> None:
+    def _command(self, strut_index: int, sequence: int, voltage: float) -> None:
         """Keep a voltage, unless it answers an older sample than the one before, or one that was never taken."""
-        if not 0 <= strut < len(self._demand) or not self._answers[strut] <= sequence <= self._now:
+        known = 0 <= strut_index < len(self._demand)
+        if not known or not self._answers[strut_index] <= sequence <= self._now:
             return
-        self._demand[strut], self._answers[strut] = voltage, sequence
+        self._demand[strut_index], self._answers[strut_index] = voltage, sequence
         if not self._left and (self._answers == self._now).all():
             self._apply()
 
@@ -165,17 +155,17 @@ class Guardian:
         self._times[reading.sequence] = reading.time
         while len(self._times) > _MEMORY:
             del self._times[next(iter(self._times))]
-        taken = line.Taken(
-            reading.sequence,
-            reading.time,
-            reading.late,
-            self._latency,
-            reading.volts,
-            self.guard.coil,
-            self._saturated,
+        taken = link.Taken(
+            sequence=reading.sequence,
+            time=reading.time,
+            late=reading.late,
+            latency=self._latency,
+            volts=reading.volts,
+            coil=self.guard.coil,
+            saturated=self._saturated,
         )
         self._latency = math.nan
-        self.bridge.send(line.pack_sample(taken))
+        self.bridge.send(link.pack_sample(taken))
         if reading.fault:
             self._fault(reading.fault)
         if self.state is not State.ACTIVE and not self.back_end.virtual:
@@ -210,7 +200,7 @@ class Guardian:
 
     def _write(self, converter: np.ndarray, now: float) -> None:
         enable = self.state is State.ACTIVE and not self.guard.fault
-        # what a device may believe is as old as its oldest part
+        # a command is as old as its oldest voltage
         answers = int(self._answers.min()) if enable else max(self._now, 0)
         self.back_end.write(converter, answers, enable, now)
 
@@ -218,7 +208,7 @@ class Guardian:
         """Latch 0 V and say why."""
         self.guard.zero(reason)
         self.back_end.zero()
-        self.bridge.send(line.pack_text(line.FAULT, reason))
+        self.bridge.send(link.pack_text(link.ToBridge.FAULT, reason))
 
     def _tell_figures(self) -> None:
         figures = self.back_end.figures()
@@ -226,79 +216,4 @@ class Guardian:
         figures['samples not taken by the bridge'] = float(self.bridge.unsent)
         for name, load in zip(self.guard.names, self.guard.load, strict=True):
             figures[f'{name} load'] = float(load)
-        self.bridge.send(line.pack_text(line.FIGURES, figures))
-
-
-def set_up(given: dict[str, Any], bridge: line.Line) -> Guardian:
-    """Build a guardian from what the bridge says first.
-
-    Raises:
-        SatvibError: channels, options or devices that are not right.
-    """
-    channels = parse_channels(given['channels'], given['where'])
-    period, max_age = 1.0 / given['sample_rate'], given['command_timeout']
-    channels.check_rate(given['sample_rate'])
-    back_end = make_back_end(channels, period, max_age)
-    guard = OutputGuard(channels.outputs, period, max_age)
-    return Guardian(back_end, guard, bridge)
-
-
-def schedule(cpu: int, priority: int) -> list[str]:
-    """Ask for a processor and SCHED_FIFO; gives what was not permitted."""
-    refused: list[str] = []
-    set_processor(cpu, refused.append)
-    set_priority(priority, refused.append)
-    return refused
-
-
-def _serve(bridge: line.Line) -> int:
-    """Read the set-up, then guard until the end."""
-    alarm, bell = os.pipe()
-
-    def end(_: int, __: FrameType | None) -> None:
-        os.write(bell, b'!')
-
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-        signal.signal(number, end)
-    ready, _, _ = select.select([bridge.fileno(), alarm], [], [], 10.0)
-    message = b'' if alarm in ready else bridge.receive()
-    if not message:
-        return 1
-    guardian: Guardian | None = None
-    try:
-        given = line.read_text(message)
-        guardian = set_up(given, bridge)
-        found = guardian.back_end.open()
-        refused = schedule(given['cpu'], given['priority'])
-        if given.get('only_zero'):
-            guardian.back_end.zero()
-            return 0
-        guardian.start()
-        bridge.send(
-            line.pack_text(
-                line.READY,
-                {'found': found, 'refused': refused, 'virtual': guardian.back_end.virtual},
-            )
-        )
-        while not guardian.over:
-            if guardian.step([alarm]):
-                break
-    except (SatvibError, BackEndError) as error:
-        bridge.send(line.pack_text(line.ERROR, str(error)))
-        return 2
-    finally:
-        if guardian is not None:
-            guardian.finish()
-    return 0
-
-
-def main(arguments: list[str] | None = None) -> int:
-    """Run a guardian on the descriptor that its bridge gave it."""
-    parser = argparse.ArgumentParser(prog='guardian', description=__doc__.splitlines()[0])
-    parser.add_argument('descriptor', type=int, help='of the line to the bridge')
-    given = parser.parse_args(arguments)
-    return _serve(line.Line(socket.socket(fileno=given.descriptor)))
-
-
-if __name__ == '__main__':
-    sys.exit(main())
+        self.bridge.send(link.pack_text(link.ToBridge.FIGURES, figures))

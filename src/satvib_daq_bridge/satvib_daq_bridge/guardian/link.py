@@ -1,15 +1,16 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the bridge and its guardian say to each other, over a socket pair that keeps messages whole (SOCK_SEQPACKET).
+"""Messages between the bridge and its guardian, over a socket pair that keeps messages whole (SOCK_SEQPACKET).
 
-The first byte is the kind. When one of the two dies, the other reads the end of the line at once: that is how a
-guardian notices that its bridge was killed.
+The first byte is the kind. When one process ends, the other reads the end of the link at once. So a guardian notices
+that its bridge was killed.
 """
 
 import json
 import socket
 import struct
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
@@ -21,10 +22,28 @@ _COMMAND = struct.Struct('<BHQd')
 _SAMPLE = struct.Struct('<BQdddIHH')
 _LONGEST = 65536
 
-# bridge to guardian
-SETUP, COMMAND, MODE, RESET, BEGIN, NEXT, QUIT = range(1, 8)
-# guardian to bridge
-READY, ERROR, SAMPLE, FAULT, ENDED, FIGURES = range(65, 71)
+
+class ToGuardian(IntEnum):
+    """Kinds of messages from the bridge."""
+
+    SETUP = 1  # JSON: channels and options
+    COMMAND = 2  # the voltage of one strut
+    MODE = 3  # the state of the bridge
+    RESET = 4  # release the fault
+    BEGIN = 5  # the next sample is the first of a run
+    NEXT = 6  # without a clock: go on to the next sample
+    QUIT = 7
+
+
+class ToBridge(IntEnum):
+    """Kinds of messages from the guardian."""
+
+    READY = 65  # JSON: what was found
+    ERROR = 66  # JSON: what is wrong with the set-up
+    SAMPLE = 67
+    FAULT = 68  # JSON: why all outputs are at 0 V
+    ENDED = 69  # JSON: the recording that is played has ended
+    FIGURES = 70  # JSON: counts for people
 
 
 @dataclass(frozen=True)
@@ -53,7 +72,7 @@ class Taken:
 def pack_sample(taken: Taken) -> bytes:
     """Give the message of a sample."""
     head = _SAMPLE.pack(
-        SAMPLE,
+        ToBridge.SAMPLE,
         taken.sequence,
         taken.time,
         taken.late,
@@ -69,23 +88,36 @@ def read_sample(message: bytes) -> Taken:
     """Read the message of a sample."""
     _, sequence, time, late, latency, saturated, inputs, _ = _SAMPLE.unpack_from(message)
     values = np.frombuffer(message, dtype=float, offset=_SAMPLE.size)
-    return Taken(sequence, time, late, latency, values[:inputs], values[inputs:], saturated)
+    return Taken(
+        sequence=sequence,
+        time=time,
+        late=late,
+        latency=latency,
+        volts=values[:inputs],
+        coil=values[inputs:],
+        saturated=saturated,
+    )
 
 
-def pack_command(strut: int, sequence: int, voltage: float) -> bytes:
+def pack_command(strut_index: int, sequence: int, voltage: float) -> bytes:
     """Give the message of one strut's voltage, computed from a sample."""
-    return _COMMAND.pack(COMMAND, strut, sequence, voltage)
+    return _COMMAND.pack(ToGuardian.COMMAND, strut_index, sequence, voltage)
 
 
 def read_command(message: bytes) -> tuple[int, int, float]:
-    """Read strut, sequence and voltage."""
-    _, strut, sequence, voltage = _COMMAND.unpack(message)
-    return strut, sequence, voltage
+    """Read strut index, sequence and voltage."""
+    _, strut_index, sequence, voltage = _COMMAND.unpack(message)
+    return strut_index, sequence, voltage
 
 
 def pack_mode(state: State) -> bytes:
     """Give the message of a state."""
-    return bytes([MODE, state.value])
+    return bytes([ToGuardian.MODE, state.value])
+
+
+def pack(kind: ToGuardian) -> bytes:
+    """Give a message without content."""
+    return bytes([kind])
 
 
 def pack_text(kind: int, content: Any) -> bytes:
@@ -98,8 +130,8 @@ def read_text(message: bytes) -> Any:
     return json.loads(message[1:])
 
 
-class Line:
-    """One end of the line.
+class Link:
+    """One end of the link.
 
     Attributes:
         closed: the other end is gone.
@@ -141,7 +173,7 @@ class Line:
         return message
 
     def close(self) -> None:
-        """Let go."""
+        """Close this end."""
         self.closed = True
         self._socket.close()
 

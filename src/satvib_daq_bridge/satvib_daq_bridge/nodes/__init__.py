@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Nodes."""
+"""The node `daq_bridge`."""

@@ -45,7 +45,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
     def configure(self) -> None:
         """Open the devices at 0 V and begin to read."""
         p = self.parameters
-        self.session = Session(p, self._ring, self.transitions.append, self.latched)
+        self.session = Session(p, self._wake, self.transitions.append, self.latched)
         self.epoch = time.time_ns() - time.monotonic_ns()
         struts = self.bridge.struts
         self.outs = [self.publish_on(StrutAcceleration, f'{s}/acceleration') for s in struts]
@@ -110,7 +110,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         return f'the rig must be at rest for {self.parameters.calibration_time:g} s'
 
     def tick(self) -> float:
-        """Take what the guardian has sent; the bell wakes the loop for more."""
+        """Take what the guardian has sent; a thread wakes the loop for more."""
         self._serve()
         return 0.1
 
@@ -124,7 +124,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
     def _on_voltage(self, strut: int, message: VcaVoltage) -> None:
         self.bridge.command(strut, message.sequence, message.voltage)
 
-    def _ring(self) -> None:
+    def _wake(self) -> None:
         self.wake.set_result(None)
 
     def _serve(self) -> None:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from typing import ClassVar
 
+from satvib_daq_bridge.protocol.framing import FrameReader, frame
+
 VERSION = 1
 _HEAD = struct.Struct('<BHI')
 
@@ -227,6 +229,16 @@ def parse(payload: bytes) -> Message | None:
         return _READ[kind](session, number, payload[_HEAD.size :])
     except (struct.error, KeyError, ValueError):
         return None
+
+
+def to_wire(message: Message) -> bytes:
+    """Give the bytes on the wire of a message."""
+    return frame(pack(message))
+
+
+def read_stream(reader: FrameReader, data: bytes) -> list[Message]:
+    """Give the messages that are complete with the bytes that arrived."""
+    return [m for m in map(parse, reader.feed(data)) if m is not None]
 
 
 def newer(number: int, than: int) -> bool:

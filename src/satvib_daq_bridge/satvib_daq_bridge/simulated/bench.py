@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-from satvib_plant_sim.disturbance import make_disturbance
+from satvib_plant_sim.disturbance.factory import make_disturbance
 from satvib_plant_sim.plant.plant import Plant, Truth
 from satvib_plant_sim.rig.rig import Rig
 

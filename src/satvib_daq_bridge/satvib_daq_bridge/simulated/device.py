@@ -1,18 +1,18 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a device does: the behaviour that docs/serial_protocol.md asks of a firmware, without a device.
+"""The reference model of a device: what docs/serial_protocol.md asks of a firmware.
 
-The emulator is this with a pseudo-terminal and a simulated plant around it; the firmware in C++ does the same, and a
-test holds the two together. Times are whole microseconds of any clock that never goes back.
+The emulator adds a pseudo-terminal and a simulated plant. The firmware in C++ does the same; a test compares the two.
+Times are whole microseconds of any clock that never goes back.
 
-Safety, in order: what fails its CRC does not exist; a command acts only within its session, in order, and when it
+Safety, in order: a frame with a wrong CRC is ignored; a command acts only within its session, in order, and when it
 answers a sample no older than `lifetime`; without a fresh command for `lifetime` the outputs are at 0 V and stay there
 until a command without `enable` has been seen; an output never exceeds the limit that CONFIGURE set.
 """
 
 from dataclasses import replace
 
-from satvib_daq_bridge.protocol.framing import FrameReader, frame
+from satvib_daq_bridge.protocol.framing import FrameReader
 from satvib_daq_bridge.protocol.messages import (
     VERSION,
     Command,
@@ -28,8 +28,8 @@ from satvib_daq_bridge.protocol.messages import (
     Stop,
     Zero,
     newer,
-    pack,
-    parse,
+    read_stream,
+    to_wire,
 )
 
 _LONGEST_PERIOD = 1_000_000_000  # ns
@@ -69,12 +69,7 @@ class Device:
 
     def receive(self, data: bytes, now: int) -> bytes:
         """Take bytes from the host at a time (us); gives the bytes to answer with."""
-        answer = b''
-        for payload in self.reader.feed(data):
-            message = parse(payload)
-            if message is not None:
-                answer += self._take(message, now)
-        return answer
+        return b''.join(self._take(message, now) for message in read_stream(self.reader, data))
 
     def take_sample(self, inputs: tuple[int, ...], now: int) -> bytes:
         """Send a sample (uV) taken at a time (us); gives the bytes."""
@@ -85,19 +80,19 @@ class Device:
         flags |= Flag.ENABLED if self.enabled else Flag(0)
         flags |= Flag.OVERRUN if self._overrun else Flag(0)
         message = Sample(
-            self.configured.session,
-            self.samples & 0xFFFFFFFF,
-            now & 0xFFFFFFFF,
-            flags,
-            self._command,
-            self.reader.rejected & 0xFFFF,
-            self.refused & 0xFFFF,
-            self.dropped & 0xFFFF,
-            inputs[: self.configured.inputs],
+            session=self.configured.session,
+            number=self.samples & 0xFFFFFFFF,
+            time=now & 0xFFFFFFFF,
+            flags=flags,
+            command=self._command,
+            rejected=self.reader.rejected & 0xFFFF,
+            refused=self.refused & 0xFFFF,
+            dropped=self.dropped & 0xFFFF,
+            inputs=inputs[: self.configured.inputs],
         )
         self.samples += 1
         self._overrun = False
-        return frame(pack(message))
+        return to_wire(message)
 
     def overrun(self) -> None:
         """Note that a sample was taken late."""
@@ -137,12 +132,12 @@ class Device:
             self.configured = None
         elif isinstance(message, Hello):
             identity = replace(self.identity, session=message.session, number=message.number)
-            return frame(pack(identity))
+            return to_wire(identity)
         elif isinstance(message, Configure):
             refusal = self._refusal(message)
             if refusal is Refusal.NONE:
                 self._begin(message, now)
-            return frame(pack(Configured(message.session, message.number, refusal)))
+            return to_wire(Configured(message.session, message.number, refusal))
         return b''
 
     def _refusal(self, asked: Configure) -> Refusal:

@@ -12,8 +12,8 @@ from concurrent import futures
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_daq_bridge.back_ends import make_back_end
 from satvib_daq_bridge.back_ends.base import BackEndError
+from satvib_daq_bridge.back_ends.factory import make_back_end
 from satvib_daq_bridge.channels import parse_channels
 from satvib_daq_bridge.simulated.channels_from_rig import channels_of
 from satvib_plant_sim.rig.rig import load_rig

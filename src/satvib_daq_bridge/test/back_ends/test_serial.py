@@ -13,14 +13,14 @@ import tty
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_daq_bridge.back_ends import make_back_end
 from satvib_daq_bridge.back_ends.base import BackEndError
+from satvib_daq_bridge.back_ends.factory import make_back_end
 from satvib_daq_bridge.channels import parse_channels
 from satvib_daq_bridge.protocol.framing import FrameReader, frame
 from satvib_daq_bridge.protocol.messages import Configure, Hold, parse
 from satvib_daq_bridge.simulated.channels_from_rig import channels_of
 from satvib_daq_bridge.simulated.device import Device
-from satvib_daq_bridge.simulated.emulator import identity_of
+from satvib_daq_bridge.simulated.emulated_board import identity_of
 from satvib_plant_sim.rig.rig import load_rig
 
 RIG = load_rig('paper_3dof')
@@ -279,7 +279,6 @@ def test_a_new_opener_zeroes_what_a_killed_one_left(bench):
     bench.to_device()
     os.write(bench.back_end.fileno(), frame(b'half a frame')[:5])
     bench.back_end._port.close()
-    bench.back_end._port = None
     bench.open()
     assert bench.device.targets == (0.0,) * 3
 

@@ -13,7 +13,7 @@ from satvib_common.errors import SatvibError
 from satvib_daq_bridge.bridge.bridge import Bridge
 from satvib_daq_bridge.bridge.timing import Timing
 from satvib_daq_bridge.channels import parse_channels
-from satvib_daq_bridge.guardian import link as line
+from satvib_daq_bridge.guardian import link
 from satvib_daq_bridge.parameters import BridgeParameters
 from satvib_daq_bridge.simulated.channels_from_rig import channels_of
 from satvib_daq_bridge.states import State
@@ -45,8 +45,8 @@ class Stand:
         self.now += PERIOD * (1 + skip)
         self.k += 1 + skip
         read = 2.5 + 0.005 * self.rng.standard_normal(6) if volts is None else np.array(volts)
-        taken = line.Taken(self.k, self.now, late, latency, read, np.zeros(3), 0)
-        return self.bridge.take(line.pack_sample(taken), self.now + late)
+        taken = link.Taken(self.k, self.now, late, latency, read, np.zeros(3), 0)
+        return self.bridge.take(link.pack_sample(taken), self.now + late)
 
     def answer(self, voltage=1.0, struts=range(3)):
         for strut in struts:
@@ -62,7 +62,7 @@ class Stand:
         assert self.state is State.ACTIVE
 
     def modes(self):
-        return [State(m[1]) for m in self.sent if m[0] == line.MODE]
+        return [State(m[1]) for m in self.sent if m[0] == link.ToGuardian.MODE]
 
 
 def test_every_change_of_state_goes_to_the_guardian_at_once():
@@ -173,7 +173,7 @@ def test_an_implausible_bias_is_a_fault_that_reset_lets_try_again():
 def test_a_fault_of_the_guardian_is_the_bridges():
     stand = Stand()
     stand.activate()
-    stand.bridge.take(line.pack_text(line.FAULT, 'strut_1.coil: stale command'), stand.now)
+    stand.bridge.take(link.pack_text(link.ToBridge.FAULT, 'strut_1.coil: stale command'), stand.now)
     assert (stand.state, stand.reason) == (State.FAULT, 'strut_1.coil: stale command')
 
 
@@ -196,7 +196,7 @@ def test_after_a_new_guardian_the_samples_count_on():
 def test_the_end_of_a_record_is_the_end():
     stand = Stand()
     stand.activate()
-    stand.bridge.take(line.pack_text(line.ENDED, 'the record is over'), stand.now)
+    stand.bridge.take(link.pack_text(link.ToBridge.ENDED, 'the record is over'), stand.now)
     assert (stand.state, stand.bridge.over) == (State.IDLE, 'the record is over')
 
 
@@ -214,7 +214,7 @@ def test_a_fault_is_carried_over_to_the_next_session():
 def test_diagnostics_hold_what_a_person_wants():
     stand = Stand()
     stand.activate()
-    stand.bridge.take(line.pack_text(line.FIGURES, {'frames': 3.0}), stand.now)
+    stand.bridge.take(link.pack_text(link.ToBridge.FIGURES, {'frames': 3.0}), stand.now)
     told = stand.bridge.diagnose()
     for key in ('state', 'reason', 'samples lost', 'deadlines missed', 'sample late p99 [ms]',
                 'voltage latency max [ms]', 'frames', 'strut_1.upper bias'):  # fmt: skip

@@ -10,10 +10,10 @@ import math
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_daq_bridge.back_ends import make_back_end
+from satvib_daq_bridge.back_ends.factory import make_back_end
 from satvib_daq_bridge.bridge.bridge import Bridge
 from satvib_daq_bridge.channels import parse_channels
-from satvib_daq_bridge.guardian import link as line
+from satvib_daq_bridge.guardian import link
 from satvib_daq_bridge.guardian.guardian import Guardian
 from satvib_daq_bridge.guardian.output_guard import OutputGuard
 from satvib_daq_bridge.parameters import BridgeParameters
@@ -38,12 +38,12 @@ class Loop:
         self.channels = parse_channels(data, 'test')
         given = BridgeParameters(channels='test', sample_rate=100.0, **parameters)
         back_end = make_back_end(self.channels, given.period, given.max_age)
-        ours, others = line.pair()
-        self.line = line.Line(others)
+        ours, others = link.pair()
+        self.link = link.Link(others)
         guard = OutputGuard(self.channels.outputs, given.period, given.max_age)
-        self.guardian = Guardian(back_end, guard, line.Line(ours))
+        self.guardian = Guardian(back_end, guard, link.Link(ours))
         self.transitions = []
-        self.bridge = Bridge(self.channels, given, self.line.send, self.transitions.append)
+        self.bridge = Bridge(self.channels, given, self.link.send, self.transitions.append)
         self.guardian.start()
         self.bridge.configured(virtual=True, now=0.0)
         self.schedule_end = end
@@ -52,7 +52,7 @@ class Loop:
         """One turn of both; gives what is to be published."""
         self.guardian.step([])
         found = []
-        while message := self.line.receive():
+        while message := self.link.receive():
             published = self.bridge.take(message, 0.0)
             if published is not None:
                 found.append(published)
@@ -85,7 +85,7 @@ class Loop:
 
     def close(self):
         self.guardian.bridge.close()
-        self.line.close()
+        self.link.close()
 
 
 def tones(published):

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from satvib_daq_bridge.back_ends.base import BackEnd, BackEndError, EndOfRecordError, Reading
 from satvib_daq_bridge.channels import parse_channels
-from satvib_daq_bridge.guardian import link as line
+from satvib_daq_bridge.guardian import link
 from satvib_daq_bridge.guardian.guardian import Guardian
 from satvib_daq_bridge.guardian.output_guard import OutputGuard
 from satvib_daq_bridge.simulated.channels_from_rig import channels_of
@@ -65,10 +65,10 @@ class Stand:
     def __init__(self):
         self.time = 100.0
         self.back_end = Scripted()
-        ours, others = line.pair()
-        self.bridge = line.Line(others)
+        ours, others = link.pair()
+        self.bridge = link.Link(others)
         guard = OutputGuard(CHANNELS.outputs, PERIOD, MAX_AGE)
-        self.guardian = Guardian(self.back_end, guard, line.Line(ours), lambda: self.time)
+        self.guardian = Guardian(self.back_end, guard, link.Link(ours), lambda: self.time)
         self.guardian.start()
         self.k = -1
 
@@ -89,12 +89,12 @@ class Stand:
 
     def answer(self, volts, sequence=None, struts=range(3)):
         k = self.k if sequence is None else sequence
-        self.say(*[line.pack_command(i, k, volts) for i in struts])
+        self.say(*[link.pack_command(i, k, volts) for i in struts])
 
     def activate(self, volts=1.0):
         self.sample()
         self.answer(volts)
-        self.say(line.pack_mode(State.ARMED), line.pack_mode(State.ACTIVE))
+        self.say(link.pack_mode(State.ARMED), link.pack_mode(State.ACTIVE))
         self.sample()
         self.answer(volts)
 
@@ -105,7 +105,7 @@ class Stand:
         return found
 
     def faults(self):
-        return [line.read_text(m) for m in self.heard() if m[0] == line.FAULT]
+        return [link.read_text(m) for m in self.heard() if m[0] == link.ToBridge.FAULT]
 
     @property
     def last(self):
@@ -125,7 +125,7 @@ def stand():
 
 def test_a_sample_goes_up_as_it_was_read(stand):
     stand.sample()
-    taken = line.read_sample(stand.heard()[-1])
+    taken = link.read_sample(stand.heard()[-1])
     assert (taken.sequence, taken.time) == (0, stand.time)
     assert taken.volts.tolist() == [2.5] * 6
     assert taken.coil.tolist() == [0.0] * 3
@@ -196,11 +196,13 @@ def test_after_a_fault_0_v_until_reset_and_active_again(stand):
     assert stand.faults() == ['the device says so']
     stand.answer(1.0)
     assert (stand.last[0] == 0.0).all()
-    stand.say(line.pack_mode(State.FAULT), bytes([line.RESET]), line.pack_mode(State.IDLE))
+    stand.say(
+        link.pack_mode(State.FAULT), link.pack(link.ToGuardian.RESET), link.pack_mode(State.IDLE)
+    )
     stand.sample()
     stand.answer(1.0)
     assert (stand.last[0] == 0.0).all()
-    stand.say(line.pack_mode(State.ARMED), line.pack_mode(State.ACTIVE))
+    stand.say(link.pack_mode(State.ARMED), link.pack_mode(State.ACTIVE))
     stand.sample()
     stand.answer(1.0)
     assert stand.last[0] == pytest.approx([0.5] * 3, abs=0.003)
@@ -208,7 +210,7 @@ def test_after_a_fault_0_v_until_reset_and_active_again(stand):
 
 def test_leaving_active_is_0_v_at_once(stand):
     stand.activate()
-    stand.say(line.pack_mode(State.IDLE))
+    stand.say(link.pack_mode(State.IDLE))
     volts, _, enable, _ = stand.last
     assert (volts == 0.0).all()
     assert not enable
@@ -225,13 +227,14 @@ def test_the_end_of_the_bridge_is_the_end_at_0_v(stand):
 
 
 @pytest.mark.parametrize(
-    ('error', 'kind'), [(BackEndError('gone'), line.FAULT), (EndOfRecordError('over'), line.ENDED)]
+    ('error', 'kind'),
+    [(BackEndError('gone'), link.ToBridge.FAULT), (EndOfRecordError('over'), link.ToBridge.ENDED)],
 )
 def test_a_back_end_that_ends_is_told_and_ends_the_guardian(stand, error, kind):
     stand.activate()
     stand.back_end.error = error
     stand.step()
-    assert [line.read_text(m) for m in stand.heard() if m[0] == kind] == [str(error)]
+    assert [link.read_text(m) for m in stand.heard() if m[0] == kind] == [str(error)]
     assert stand.guardian.over
     stand.guardian.finish()
     assert (stand.last[0] == 0.0).all()
@@ -263,9 +266,9 @@ def test_whatever_happens_only_active_drives(events):
         elif kind == 'partial':
             stand.answer(value, struts=[1])
         elif kind == 'mode':
-            stand.say(line.pack_mode(value))
+            stand.say(link.pack_mode(value))
         elif kind == 'reset':
-            stand.say(bytes([line.RESET]))
+            stand.say(link.pack(link.ToGuardian.RESET))
         elif kind == 'fault':
             stand.sample(fault='sick')
         else:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a disturbance says about its tones and its beginning."""
 
-from satvib_plant_sim.disturbance import Disturbance
+from satvib_plant_sim.disturbance.base import Disturbance
 
 
 def disturbance_tones(disturbance: Disturbance) -> list[float]:

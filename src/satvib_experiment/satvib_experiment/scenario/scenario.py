@@ -29,7 +29,7 @@ from satvib_experiment.scenario.settings_file import load_settings, resolve_path
 if TYPE_CHECKING:
     from satvib_control.parameters import ControllerParameters
     from satvib_ident.parameters import IdentifierParameters
-    from satvib_plant_sim.disturbance import Disturbance
+    from satvib_plant_sim.disturbance.base import Disturbance
 
 # What the scenario gives to every node itself, so that no two of them can disagree.
 _SHARED = ('sample_rate', 'lockstep', 'model_period')
@@ -145,7 +145,7 @@ class Scenario(Schema):
 
     def make_disturbance(self) -> Disturbance:
         """Give the disturbance."""
-        from satvib_plant_sim.disturbance import make_disturbance
+        from satvib_plant_sim.disturbance.factory import make_disturbance
 
         return make_disturbance(self.disturbance or {'kind': 'none'})
 

@@ -9,7 +9,8 @@ from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param, parse_yaml
 from satvib_common.settings_text import parse_settings
 
-from satvib_plant_sim.disturbance import Disturbance, make_disturbance
+from satvib_plant_sim.disturbance.base import Disturbance
+from satvib_plant_sim.disturbance.factory import make_disturbance
 from satvib_plant_sim.plant.any_plant import AnyPlant
 from satvib_plant_sim.plant.failing_plant import FailingPlant, make_failing_plant
 from satvib_plant_sim.plant.failures import Failure

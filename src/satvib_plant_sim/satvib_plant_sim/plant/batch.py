@@ -10,7 +10,7 @@ from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema
 
-from satvib_plant_sim.disturbance import Disturbance
+from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.rig.rig import Rig
 
 AnyRig = TypeVar('AnyRig', bound=Schema)

@@ -19,7 +19,8 @@ from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.guard import towards_zero
 
-from satvib_plant_sim.disturbance import Disturbance, make_disturbance
+from satvib_plant_sim.disturbance.base import Disturbance
+from satvib_plant_sim.disturbance.factory import make_disturbance
 from satvib_plant_sim.plant.any_plant import AnyPlant, make_plant
 from satvib_plant_sim.plant.failures import ACTUATOR, CONTROLLER, DISTURBANCE, RIG, SENSOR, Failure
 from satvib_plant_sim.plant.observation import Sample, Truth

@@ -25,7 +25,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 from satvib_common.settings_text import change_existing
 
-from satvib_plant_sim.disturbance import make_disturbance
+from satvib_plant_sim.disturbance.factory import make_disturbance
 from satvib_plant_sim.rig.any_rig import AnyRig, strut_count
 from satvib_plant_sim.rig.rig import Rig
 

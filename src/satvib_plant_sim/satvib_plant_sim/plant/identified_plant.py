@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array
 from satvib_common.signals.iir_filter import IirFilter
 
-from satvib_plant_sim.disturbance import Disturbance
+from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.disturbance.mixer import Mixer
 from satvib_plant_sim.physics.noise import NormalSource
 from satvib_plant_sim.plant.batch import checked_voltage, require_equal, trials_of

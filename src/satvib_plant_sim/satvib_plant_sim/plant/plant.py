@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array
 
-from satvib_plant_sim.disturbance import Disturbance
+from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.disturbance.mixer import Mixer
 from satvib_plant_sim.physics.converters import (
     drawn_bias,

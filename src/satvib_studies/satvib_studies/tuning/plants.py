@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 from satvib_common.arrays import Array
-from satvib_plant_sim.disturbance import Disturbance
+from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.disturbance.combined import Sum
 from satvib_plant_sim.disturbance.mixer import Mixer
 from satvib_plant_sim.disturbance.sine import Sine

@@ -22,7 +22,8 @@ from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.levels import decibel
 from satvib_common.schema import Schema, load_yaml, param, parse_yaml
-from satvib_plant_sim.disturbance import Disturbance, make_disturbance
+from satvib_plant_sim.disturbance.base import Disturbance
+from satvib_plant_sim.disturbance.factory import make_disturbance
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.tuning.cost import CostSettings, TuningCost

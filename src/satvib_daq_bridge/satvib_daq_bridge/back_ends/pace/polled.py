@@ -11,7 +11,7 @@ import numpy as np
 from satvib_common.arrays import Array
 
 from satvib_daq_bridge.back_ends.base import BackEnd, BackEndError, Reading
-from satvib_daq_bridge.back_ends.ticker import Ticker
+from satvib_daq_bridge.back_ends.pace.ticker import Ticker
 from satvib_daq_bridge.channels import Channels
 
 

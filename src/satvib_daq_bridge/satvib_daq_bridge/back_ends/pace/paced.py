@@ -7,7 +7,7 @@ answered; no clock, time is k periods.
 """
 
 from satvib_daq_bridge.back_ends.base import BackEnd
-from satvib_daq_bridge.back_ends.ticker import Ticker
+from satvib_daq_bridge.back_ends.pace.ticker import Ticker
 from satvib_daq_bridge.channels import Channels
 
 PACES = ('realtime', 'lockstep')
