@@ -1,3 +1,23 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Nodes."""
+"""The nodes `strut_controller` and `centralized_controller`: messages in, messages out."""
+
+from typing import TYPE_CHECKING
+
+from satvib_common.door import door
+
+if TYPE_CHECKING:
+    from satvib_control.nodes.centralized_controller_node import CentralizedControllerNode
+    from satvib_control.nodes.controller_node import ControllerNode
+    from satvib_control.nodes.model_queue import ModelQueue
+    from satvib_control.nodes.sample_gatherer import SampleGatherer
+    from satvib_control.nodes.strut_controller_node import StrutControllerNode
+
+__all__ = [
+    'CentralizedControllerNode',
+    'ControllerNode',
+    'ModelQueue',
+    'SampleGatherer',
+    'StrutControllerNode',
+]
+__getattr__, __dir__ = door(__name__, __file__)

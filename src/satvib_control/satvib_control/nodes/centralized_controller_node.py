@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node `centralized_controller`: carries messages to and from `CentralizedCore`.
 
-It runs in place of all strut controllers, and speaks on their topics: it listens to the acceleration of every strut,
-answers when a sample of all of them is there, and publishes every strut's voltage and controller state.
+It runs in the place of all strut controllers and uses their topics. It listens to the acceleration of every strut,
+waits until a sample of all of them is there, and publishes voltage and controller state of every strut.
 """
 
 from collections import deque
@@ -17,7 +17,7 @@ from satvib_common.struts import strut_names
 from satvib_control.core.centralized import CentralizedCore
 from satvib_control.laws.centralized.parameters import CentralizedParameters
 from satvib_control.nodes.controller_node import ControllerNode
-from satvib_control.nodes.sample_gatherer import Gathering
+from satvib_control.nodes.sample_gatherer import SampleGatherer
 from satvib_msgs.msg import Schedule, StrutAcceleration
 
 
@@ -38,7 +38,7 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
             CentralizedCore(p, (p.struts,)),
             [((i,), f'{name}/') for i, name in enumerate(self.names)],
         )
-        self.gathering: Gathering[StrutAcceleration] = Gathering(p.struts)
+        self.gatherer: SampleGatherer[StrutAcceleration] = SampleGatherer(p.struts)
         self.waiting: deque[tuple[int, list[StrutAcceleration]]] = deque()
 
     def activate(self) -> None:
@@ -60,10 +60,10 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
         while self.waiting:
             self.answer(*self.waiting.popleft(), plan)
 
-    def _on_acceleration(self, strut: int, message: StrutAcceleration) -> None:
+    def _on_acceleration(self, strut_index: int, message: StrutAcceleration) -> None:
         if message.sequence == 0 or self.last is None:
-            self.check_period(f'{self.names[strut]} acceleration', message)
-        whole = self.gathering.add(strut, message.sequence, message)
+            self.check_period(f'{self.names[strut_index]} acceleration', message)
+        whole = self.gatherer.add(strut_index, message.sequence, message)
         if whole is not None:
             self.waiting.append((message.sequence, whole))
             self.proceed()

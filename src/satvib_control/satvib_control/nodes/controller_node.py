@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What every controller node does: schedule, settings, services, diagnostics, and answering samples of its struts.
 
-The voltages are published before anything else. When a sample is answered, and by which model, is the node's own.
+The voltages are published first. When a sample is answered, and with which model, is up to the node of each kind.
 """
 
 import time
@@ -35,8 +35,8 @@ class ControllerNode(SatvibNode[P]):
         """Keep the core; make the messages that are refilled and their publishers.
 
         Args:
-            core: decides.
-            struts: for each, its place in the core's arrays and what its topics' names begin with.
+            core: gives the voltages.
+            struts: for each, its place in the arrays of the core, and the prefix of the names of its topics.
         """
         self.core, self.places = core, [place for place, _ in struts]
         self.plan: PhasePlan | None = None
@@ -52,7 +52,7 @@ class ControllerNode(SatvibNode[P]):
 
     @abstractmethod
     def work(self, plan: PhasePlan) -> None:
-        """Answer every sample that has all it needs."""
+        """Answer the samples that have all they need."""
 
     @property
     @abstractmethod
@@ -90,12 +90,12 @@ class ControllerNode(SatvibNode[P]):
         return 'faults are released'
 
     def diagnose(self) -> tuple[str, dict[str, object]]:
-        """Give what a person wants to know first."""
+        """Give the reasons of all struts, and the figures of the diagnostics."""
         last, slowest = self.last, self.slowest
         self.slowest = 0.0
         if last is None:
             return self.nothing_yet, {'samples waiting': self.samples_waiting}
-        told = {last.reason_text(place) for place in self.places} - {''}
+        reasons = {last.reason_text(place) for place in self.places} - {''}
         figures = {
             'sequence': last.sequence,
             'phase': last.phase.name,
@@ -104,7 +104,7 @@ class ControllerNode(SatvibNode[P]):
             'samples lost': last.missed_samples,
             'slowest step [s]': slowest,
         }
-        return '; '.join(sorted(told)), figures
+        return '; '.join(sorted(reasons)), figures
 
     def on_schedule(self, message: Schedule) -> None:
         """Take the schedule."""
@@ -113,7 +113,7 @@ class ControllerNode(SatvibNode[P]):
         self.proceed()
 
     def check_period(self, name: str, message: Any) -> None:
-        """Refuse a message with another sample period than this node's, by name."""
+        """Refuse a message whose sample period is not that of this node; `name` begins the error."""
         check_period(name, message.sample_period, self.parameters.sample_rate)
 
     def answer(

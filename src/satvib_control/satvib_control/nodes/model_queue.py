@@ -27,13 +27,13 @@ class ModelQueue(Generic[M]):
         self.period, self.wait = period, wait
         self._models: deque[tuple[int, M]] = deque()
         self._joined = False
-        # how often either stream has begun anew; models and samples may do so in any order
+        # how often each stream has begun a new run; either may be the first to do so
         self._model_restarts = self._sample_restarts = 0
 
     def add(self, sequence: int, model: M, plan: PhasePlan | None) -> None:
         """Keep a model: those that will be asked for, and the newest."""
         if self._models and sequence <= self._models[-1][0]:
-            self._models.clear()  # the identifier began anew
+            self._models.clear()  # the identifier began a new run
             self._model_restarts += 1
         if self._models and self._joined and plan is not None:
             last = self._models[-1][0]
@@ -41,27 +41,27 @@ class ModelQueue(Generic[M]):
                 self._models.pop()
         self._models.append((sequence, model))
 
-    def begin(self, sequence: int, anew: bool = False) -> None:
-        """The first sample is this one; `anew`: of another run than the samples before.
+    def begin(self, sequence: int, new_run: bool = False) -> None:
+        """Take the number of the first sample; `new_run`: of another run than the samples before.
 
-        Models that came before the first sample are kept, for topics arrive in any order.
+        Models that came before the first sample are kept, because topics arrive in any order.
         """
         self._joined = sequence == 0
-        if anew:
+        if new_run:
             self._sample_restarts += 1
             if self._model_restarts < self._sample_restarts:
                 self._models.clear()
                 self._model_restarts = self._sample_restarts
 
     def take(self, k: int, plan: PhasePlan) -> tuple[bool, M | None]:
-        """Whether sample k may be worked on, and the model that it takes, if any."""
+        """Give whether sample k has all it needs, and the model that it takes, if any."""
         due = plan.is_hand_over(k, self.period)
         if self._joined and not due:
             return True, None
         newest: tuple[int, M] | None = None
         while self._models and self._models[0][0] < k:
             newest = self._models.popleft()
-        # a newer model in the queue proves that the one of k - 1 will not come any more
+        # a newer model in the queue proves that the one of k - 1 will not come
         gone = not self._joined or bool(self._models)
         self._joined = True
         if self.wait and not gone and (newest is None or newest[0] != k - 1):

@@ -1,17 +1,17 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Gathers what belongs to one sample from several streams that arrive in any order among each other."""
+"""Gathers the items of one sample from several streams, which arrive in any order."""
 
 from typing import Generic, TypeVar
 
 T = TypeVar('T')
 
 
-class Gathering(Generic[T]):
+class SampleGatherer(Generic[T]):
     """One item per stream and sample.
 
-    A sample that is complete makes all older ones pointless, for a controller answers the newest. A stream that goes
-    back more than the newest complete sample is of a run that has begun anew.
+    When a sample is complete the older ones are dropped, because a controller answers the newest. Sample 0 after a
+    complete sample is the first of a new run.
 
     Args:
         streams: how many.

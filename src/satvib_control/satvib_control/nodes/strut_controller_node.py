@@ -71,7 +71,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         if arrival in {Arrival.FIRST, Arrival.RESTART}:
             self.check_period(f'{self.strut} acceleration', message)
             self.waiting.clear()
-            self.models.begin(message.sequence, anew=arrival is Arrival.RESTART)
+            self.models.begin(message.sequence, new_run=arrival is Arrival.RESTART)
         if arrival is not Arrival.REPEAT:
             self.waiting.append((message, arrival))
             self.proceed()

@@ -105,8 +105,8 @@ def test_another_run_forgets_the_models_of_the_one_before():
             queue.add(k, f'old {k}', PLAN)
         if model_first:
             queue.add(16, 'new 16', PLAN)
-            queue.begin(0, anew=True)
+            queue.begin(0, new_run=True)
         else:
-            queue.begin(0, anew=True)
+            queue.begin(0, new_run=True)
             queue.add(16, 'new 16', PLAN)
         assert queue.take(17, PLAN) == (True, 'new 16')

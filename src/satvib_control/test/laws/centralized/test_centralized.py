@@ -13,7 +13,7 @@ from satvib_control.core.controller import ControllerCore
 from satvib_control.core.faults import LOST_LONG
 from satvib_control.laws.centralized.law import BLIND
 from satvib_control.laws.centralized.parameters import CentralizedParameters
-from satvib_control.nodes.sample_gatherer import Gathering
+from satvib_control.nodes.sample_gatherer import SampleGatherer
 from satvib_control.parameters import ControllerParameters
 from scipy.signal import lfilter
 
@@ -120,7 +120,7 @@ def test_a_single_strut_is_one_mode_and_the_law_refuses_less_than_all():
 
 def test_samples_are_gathered_in_any_order_and_old_ones_are_left():
     """Counted by hand: a sample that never gets whole is passed over, and a run that begins again is followed."""
-    g: Gathering[str] = Gathering(2)
+    g: SampleGatherer[str] = SampleGatherer(2)
     assert g.add(0, 0, 'a0') is None
     assert g.add(0, 1, 'a1') is None
     assert g.add(1, 1, 'b1') == ['a1', 'b1']
