@@ -77,10 +77,12 @@ class Module:
     def public(self) -> object:
         """What `__all__` names, in its order; NO_ALL without one."""
         for statement in self.tree.body:
-            if isinstance(statement, ast.Assign) and any(
-                isinstance(t, ast.Name) and t.id == '__all__' for t in statement.targets
-            ):
-                return list(ast.literal_eval(statement.value))
+            if isinstance(statement, ast.Assign | ast.AnnAssign) and statement.value is not None:
+                targets = (
+                    statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+                )
+                if any(isinstance(t, ast.Name) and t.id == '__all__' for t in targets):
+                    return list(ast.literal_eval(statement.value))
         return NO_ALL
 
 

@@ -30,7 +30,7 @@ from satvib_plant_sim.physics.noise import noise_floor
 from satvib_plant_sim.responses.all_struts import rig_response
 from satvib_plant_sim.rig.rig import Rig
 
-from satvib_studies.tuning.loop_cost import MARGIN, RESULTS, TILT, TURNS, VOLTS, W, loop_figures
+from satvib_studies.tuning.loop_cost import LoopFigure, loop_figures
 from satvib_studies.tuning.plants import gain_box, perturbed, spectrum_of
 
 UNSTABLE = 1000.0
@@ -103,23 +103,27 @@ class TuningCost:
         with np.errstate(all='ignore'):
             found = loop_figures(
                 each, *self._responses, self.power, self.noise, 2.0 * math.pi * self.frequency,
-                self._integrator, self._strut, self._mode, np.zeros(RESULTS),
+                self._integrator, self._strut, self._mode, np.zeros(len(LoopFigure)),
             )  # fmt: skip
         return np.asarray(found)
 
     @staticmethod
     def level(figures: Array) -> Array:
         """RMS of all modes together, m/s^2, of figures (..., 7)."""
-        level: Array = np.sqrt(np.sum(figures[..., W:TILT] ** 2, axis=-1))
+        level: Array = np.sqrt(np.sum(figures[..., LoopFigure.W : LoopFigure.TILT] ** 2, axis=-1))
         return level
 
     def each(self, gains: Array) -> Array:
         """Give J (particles, plants) of gains (particles, size)."""
         p, f = self.settings, self.figures(gains)
-        tilt = f[..., TILT] / self.quiet[TILT] if self.quiet[TILT] > 0.0 else 0.0
-        short = np.maximum(1.0 - f[..., MARGIN] / p.margin, 0.0)
+        tilt = (
+            f[..., LoopFigure.TILT] / self.quiet[LoopFigure.TILT]
+            if self.quiet[LoopFigure.TILT] > 0.0
+            else 0.0
+        )
+        short = np.maximum(1.0 - f[..., LoopFigure.MARGIN] / p.margin, 0.0)
         J = self.level(f) / self.level(self.quiet) + p.tilt * tilt
-        J = J + p.effort * (f[..., VOLTS] / p.voltage_limit) ** 2 + p.penalty * short**2
+        J = J + p.effort * (f[..., LoopFigure.VOLTS] / p.voltage_limit) ** 2 + p.penalty * short**2
         share = np.abs(np.asarray(gains, dtype=float)) / np.maximum(np.abs(self.lower), self.upper)
         astray = UNSTABLE * (1.0 + np.mean(share, axis=-1))
         return np.asarray(np.where(self.stable(f), J, astray[:, None]))
@@ -127,7 +131,7 @@ class TuningCost:
     @staticmethod
     def stable(figures: Array) -> Mask:
         """Whether the loops of figures (..., 7) are stable."""
-        return np.asarray(np.abs(figures[..., TURNS]) < 0.5)
+        return np.asarray(np.abs(figures[..., LoopFigure.TURNS]) < 0.5)
 
     def __call__(self, gains: Array) -> Array:
         """Give the cost (particles,) of gains (particles, size)."""

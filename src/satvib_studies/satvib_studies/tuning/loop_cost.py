@@ -14,15 +14,24 @@ One kernel, one item per set of gains and plant: a whole swarm on all plants is 
 """
 
 import math
+from enum import IntEnum
 from typing import Any
 
 import numpy as np
 from numba import njit
 from satvib_common.kernels.compile import kernel
 
-# places of the result
-W, ALPHA, BETA, TILT, VOLTS, MARGIN, TURNS = range(7)
-RESULTS = 7
+
+class LoopFigure(IntEnum):
+    """Places of the result."""
+
+    W = 0  # m/s^2, RMS of the mode
+    ALPHA = 1  # m/s^2 at the struts' circle
+    BETA = 2  # m/s^2 at the struts' circle
+    TILT = 3  # rad m, of the line of sight; divide by the circle's radius
+    VOLTS = 4  # V, the largest RMS of a voltage
+    MARGIN = 5  # modulus margin
+    TURNS = 6  # turns of the phase; 0 when the closed loop is stable
 
 
 @njit
@@ -185,12 +194,12 @@ def loop_figures(
                 level = weight * (q.real**2 + q.imag**2)
                 figures[m] += level
                 if m > 0:
-                    figures[3] += level / omega[f] ** 4
-    for i in range(4):
+                    figures[LoopFigure.TILT] += level / omega[f] ** 4
+    for i in range(LoopFigure.TILT + 1):
         figures[i] = math.sqrt(figures[i])
     largest = 0.0
     for i in range(n):
         largest = max(largest, volts[i])
-    figures[4] = math.sqrt(largest)
-    figures[5] = margin
-    figures[6] = phase / math.pi
+    figures[LoopFigure.VOLTS] = math.sqrt(largest)
+    figures[LoopFigure.MARGIN] = margin
+    figures[LoopFigure.TURNS] = phase / math.pi

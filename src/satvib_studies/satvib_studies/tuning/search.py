@@ -27,7 +27,7 @@ from satvib_plant_sim.disturbance.factory import make_disturbance
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.tuning.cost import CostSettings, TuningCost
-from satvib_studies.tuning.loop_cost import MARGIN, VOLTS
+from satvib_studies.tuning.loop_cost import LoopFigure
 from satvib_studies.tuning.particle_swarm import ParticleSwarm, SwarmResult, SwarmSettings
 from satvib_studies.tuning.swarm_checkpoint import restore
 
@@ -161,9 +161,9 @@ def summary(found: Tuned) -> dict[str, dict[str, float]]:
             'cost': float(found.cost(gains[None])[0]),
             'attenuation': float(decibels[0]),
             'attenuation_worst_plant': float(decibels.max()),
-            'voltage': float(figures[0, VOLTS]),
-            'margin': float(figures[0, MARGIN]),
-            'margin_worst_plant': float(figures[:, MARGIN].min()),
+            'voltage': float(figures[0, LoopFigure.VOLTS]),
+            'margin': float(figures[0, LoopFigure.MARGIN]),
+            'margin_worst_plant': float(figures[:, LoopFigure.MARGIN].min()),
         }
     return rows
 

@@ -19,7 +19,7 @@ from satvib_plant_sim.responses.all_struts import rig_response, sampled_rig
 from satvib_plant_sim.rig.rig import load_rig
 from satvib_studies.tuning.cost import CostSettings, TuningCost
 from satvib_studies.tuning.figure import closed_transmission
-from satvib_studies.tuning.loop_cost import MARGIN, TURNS, VOLTS, W
+from satvib_studies.tuning.loop_cost import LoopFigure
 from satvib_studies.tuning.particle_swarm import ParticleSwarm, SwarmSettings
 from satvib_studies.tuning.plants import perturbed
 from satvib_studies.tuning.search import UNTUNED, Search, TuneSettings, summary
@@ -83,7 +83,7 @@ def test_stability_is_that_of_the_closed_loop_poles(cost):
     """Truth: the poles of the sampled closed loop, another way; 60 draws with both kinds among them."""
     scale = np.random.default_rng(8).uniform(0.0, 0.3, (60, 1))
     gains = scale * cost.upper * np.random.default_rng(9).uniform(-0.1, 1.0, (60, 9))
-    turns = cost.figures(gains)[..., TURNS]
+    turns = cost.figures(gains)[..., LoopFigure.TURNS]
     seen = []
     for i, g in enumerate(gains):
         for j, plant in enumerate(cost.plants[:2]):
@@ -108,12 +108,16 @@ def test_the_kernel_is_the_textbook_loop(cost):
     for g, found in zip(gains.reshape(-1, 3, 3), figures[:, 0], strict=True):
         C = T @ ((g[2] + g[0] * H + g[1] * H * H)[:, :, None] * mode)
         loop = np.eye(3) + r.read_voltage @ C
-        assert found[MARGIN] == pytest.approx(np.linalg.svd(loop)[1][:, -1].min(), rel=1e-9)
+        assert found[LoopFigure.MARGIN] == pytest.approx(
+            np.linalg.svd(loop)[1][:, -1].min(), rel=1e-9
+        )
         CS = -C @ np.linalg.inv(loop)
         u = CS @ r.read_source[:, :, :1]
         power = np.abs(u[:, :, 0]) ** 2 * cost.power[:, :1]
         power += np.sum(np.abs(CS) ** 2, axis=2) * cost.noise[:, None]
-        assert found[VOLTS] == pytest.approx(math.sqrt(power.sum(axis=0).max()), rel=1e-9)
+        assert found[LoopFigure.VOLTS] == pytest.approx(
+            math.sqrt(power.sum(axis=0).max()), rel=1e-9
+        )
 
 
 def test_levels_are_those_of_the_twin(cost):
@@ -132,9 +136,11 @@ def test_levels_are_those_of_the_twin(cost):
         modes = np.einsum('mi,kif->mkf', mode_matrix((90.0, 210.0, 330.0)), truth)
         found = np.sqrt(np.mean(modes**2, axis=(1, 2)))
         figures = cost.figures(gains[None])[0, 0]
-        assert found[0] == pytest.approx(figures[W], rel=0.02)
+        assert found[0] == pytest.approx(figures[LoopFigure.W], rel=0.02)
         # tilts are small; what is left of the onset and of the noise shows in them
-        assert found == pytest.approx(figures[W : W + 3], abs=0.03 * figures[W])
+        assert found == pytest.approx(
+            figures[LoopFigure.W : LoopFigure.W + 3], abs=0.03 * figures[LoopFigure.W]
+        )
 
 
 def test_cost_does_not_depend_on_who_else_is_in_the_swarm(cost):
