@@ -225,9 +225,9 @@ def test_every_path_of_a_file_exists(texts):
     for name, text in texts.items():
         for match in re.finditer(rf'(?<![\w/.-])(?:{tops})/[\w./-]*\w(?![\w*])', text):
             path = match[0]
-            if path == 'docs/setup.md':
-                continue  # not written yet
-            if not any((base / path).exists() for base in (ROOT, Path(name).parent)):
+            if not any(
+                (ROOT / end).exists() for end in (path, f'{path}.py', Path(name).parent / path)
+            ):
                 line = text.count('\n', 0, match.start()) + 1
                 found.append(f'{name}:{line}: {path}')
     assert found == []
