@@ -15,9 +15,7 @@ KERNEL = re.compile(r'^\s*(?:@|.*=\s*)kernel\(', re.MULTILINE)
 COMPILED = re.compile(r'\bn?jit\b|kernel\(')
 ENTRY = re.compile(r"=\s*([\w.]+_node):main'")
 # the scenario of the demo is loaded, and its law with it
-SCENARIO = (
-    'from satvib_experiment.scenario.scenario import load_scenario; load_scenario("paper_3dof")'
-)
+SCENARIO = 'from satvib_experiment import load_scenario; load_scenario("paper_3dof")'
 
 
 class Need(enum.Enum):
