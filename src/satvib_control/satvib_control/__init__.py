@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from satvib_control.laws.parameters import LawParameters
     from satvib_control.laws.reasons import reason, text_of
     from satvib_control.laws.registry import LAWS, law_class, make_law
+    from satvib_control.model_analysis.gain_bounds import GainBounds, gain_bounds
+    from satvib_control.model_analysis.margins import Margins, margins
     from satvib_control.parameters import ControllerParameters
 
 __all__ = [
@@ -25,13 +27,17 @@ __all__ = [
     'ControllerCore',
     'ControllerOutput',
     'ControllerParameters',
+    'GainBounds',
     'Law',
     'LawInput',
     'LawParameters',
     'LawState',
+    'Margins',
+    'gain_bounds',
     'law_class',
     'make_core',
     'make_law',
+    'margins',
     'reason',
     'text_of',
 ]

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from satvib_control.laws.base import BasicLaw, Law, LawInput, LawState
     from satvib_control.laws.off import Off
     from satvib_control.laws.parameters import LawParameters, VelocityParameters
-    from satvib_control.laws.reasons import reason, reasons, text_of
+    from satvib_control.laws.reasons import reason, text_of
     from satvib_control.laws.registry import LAWS, law_class, law_classes, make_law
     from satvib_control.laws.strut_excitation import StrutSignals
     from satvib_control.laws.sum import LawSum
@@ -32,7 +32,6 @@ __all__ = [
     'law_classes',
     'make_law',
     'reason',
-    'reasons',
     'text_of',
 ]
 __getattr__, __dir__ = door(__name__, __file__)

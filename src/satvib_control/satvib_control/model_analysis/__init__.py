@@ -8,9 +8,9 @@ from satvib_common.door import door
 
 if TYPE_CHECKING:
     from satvib_control.model_analysis.dominant_mode import damping_gain, dominant_pole, polarity
-    from satvib_control.model_analysis.gain_bounds import GainBounds, gain_bounds
+    from satvib_control.model_analysis.gain_bounds import GainBounds
     from satvib_control.model_analysis.gain_projection import loop_grid, ray
-    from satvib_control.model_analysis.margins import Margins, margins
+    from satvib_control.model_analysis.margins import Margins
     from satvib_control.model_analysis.transfer import (
         broadcast_model,
         model_polynomials,
@@ -26,9 +26,7 @@ __all__ = [
     'broadcast_model',
     'damping_gain',
     'dominant_pole',
-    'gain_bounds',
     'loop_grid',
-    'margins',
     'model_polynomials',
     'multiply',
     'polarity',

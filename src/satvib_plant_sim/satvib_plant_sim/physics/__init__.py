@@ -8,20 +8,17 @@ from satvib_common.door import door
 
 if TYPE_CHECKING:
     from satvib_plant_sim.physics.energy import stored_energy
-    from satvib_plant_sim.physics.mechanics import Mechanics, mechanics
+    from satvib_plant_sim.physics.mechanics import Mechanics
     from satvib_plant_sim.physics.modes import modal_frequencies, static_stiffness, strut_modes
     from satvib_plant_sim.physics.noise import noise_floor, quantum
-    from satvib_plant_sim.physics.sensor_chain import sensor_chain
     from satvib_plant_sim.physics.state import State, state_of
 
 __all__ = [
     'Mechanics',
     'State',
-    'mechanics',
     'modal_frequencies',
     'noise_floor',
     'quantum',
-    'sensor_chain',
     'state_of',
     'static_stiffness',
     'stored_energy',

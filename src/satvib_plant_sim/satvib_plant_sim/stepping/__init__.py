@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from satvib_common.door import door
 
 if TYPE_CHECKING:
-    from satvib_plant_sim.stepping.discretize import Discrete, discretize, full_system, transition
+    from satvib_plant_sim.stepping.discretize import Discrete, full_system, transition
     from satvib_plant_sim.stepping.period import advance_period
 
-__all__ = ['Discrete', 'advance_period', 'discretize', 'full_system', 'transition']
+__all__ = ['Discrete', 'advance_period', 'full_system', 'transition']
 __getattr__, __dir__ = door(__name__, __file__)
