@@ -15,7 +15,7 @@ KNOWN = load_yaml(Path(__file__).with_name('ros_parameters.yaml'))
 
 
 def description(field, hint):
-    """What `ros2 param describe` tells of a parameter, but for its text."""
+    """What `ros2 param describe` says of a parameter, without its text."""
     constraint = dataclasses.asdict(constraint_of(field))
     text = constraint.pop('description')
     assert text, f'{field.name} has no description'

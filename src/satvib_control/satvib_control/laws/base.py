@@ -3,7 +3,7 @@
 """What a control law is. `laws.registry` makes one by its name.
 
 A law turns the samples of one strut into a wanted voltage. It has no clock, no ROS and no limits: `ControllerCore`
-removes the bias, the voltage guard limits, and the law is told what was really applied.
+removes the bias, the voltage guard limits the voltage, and the next sample says which voltage was applied.
 
 A law of your own is a class with this constructor and `step`, chosen by `law: my_package.my_module:MyLaw`:
 
@@ -38,10 +38,10 @@ class LawInput:
         upper: shape, m/s^2; upper acceleration without its bias, 0 where it was not measured.
         lower: shape, m/s^2; lower acceleration without its bias, NaN where it was not measured.
         applied: shape, V; the voltage computed from the sample before, as the guard let it through.
-        saturated: shape, bool; the guard changed that voltage, or the law is taken off. Nothing is learnt there.
+        saturated: shape, bool; the guard changed it, or the divergence watch holds it at 0 V. Nothing is learnt.
         valid: shape, bool; the upper acceleration was measured. Nothing is learnt where it was not.
-        fade: shape; share of the demand of the sample before that went to the guard: less than 1 while CONTROL fades in
-            and where the law is taken off, 0 in the phases without a law.
+        fade: shape; share of the demand of the sample before that went to the guard: less than 1 at the start of
+            CONTROL and where the divergence watch reduces it, 0 in the phases without a law.
     """
 
     sequence: int
@@ -55,9 +55,9 @@ class LawInput:
 
 @dataclass
 class LawState:
-    """What a person tuning the law wants to see; fields as in satvib_msgs/ControllerState, each (shape).
+    """The figures that help to tune a law; fields as in satvib_msgs/ControllerState, each (shape).
 
-    NaN means that the law has no such thing. `reason` holds codes of `satvib_control.laws.reasons`.
+    NaN means that the law does not have this figure. `reason` holds codes of `satvib_control.laws.reasons`.
     """
 
     shape: tuple[int, ...] = ()
@@ -84,7 +84,7 @@ class LawState:
         self.reason = np.zeros(self.shape, dtype=np.int64)
 
     def copy(self) -> 'LawState':
-        """Give a state that keeps what this one shows now; laws renew their arrays, they do not write into them."""
+        """Give a state that keeps what this one shows now; laws make new arrays and do not write into old ones."""
         other = object.__new__(LawState)
         other.__dict__.update(self.__dict__)
         return other
@@ -102,7 +102,7 @@ class Law(Protocol):
 
     Attributes:
         needs_model: the law gives 0 V until it has an identified model.
-        cancels: in a sum, look at the plant without the feedback of the other parts (see `laws.sum`).
+        cancels: in a sum, the law sees the plant without the feedback of the other parts (see `laws.sum`).
         closes_loop: the voltage depends on the upper acceleration; in a sum, the law gets a share of the gain budget.
         state: what the law shows; renewed by every `step`.
     """
@@ -118,12 +118,12 @@ class Law(Protocol):
     def step(self, x: LawInput, phase: Phase) -> Array:
         """Take a sample, of any phase, and give the wanted voltage (shape, V).
 
-        The voltage is used in ADAPT and CONTROL only; in the other phases a law keeps its filters warm. A demand
+        The voltage is used in ADAPT and CONTROL only; in the other phases a law keeps its filters running. A demand
         that is not finite latches a fault.
         """
 
     def set_model(self, model: 'IirModel', trusted: Mask, covariance: Array | None = None) -> None:
-        """Take the identified model where `trusted` (shape) holds, and keep what was there elsewhere.
+        """Take the identified model where `trusted` (shape) holds, and keep the old one elsewhere.
 
         `covariance` (*shape, n + m, n + m) is that of (a1..an, b1..bm).
         """
@@ -136,7 +136,7 @@ class Law(Protocol):
 
 
 class BasicLaw(Generic[P]):
-    """A law that needs no model and has no memory; a base that saves lines.
+    """A law that needs no model and has no memory; the usual base class.
 
     Args:
         parameters: those of the whole controller. `BasicLaw[P]` says that the law reads those of the schema P only.

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""No control: 0 V, the open loop that every attenuation is measured against."""
+"""No control: 0 V. This is the open loop that attenuations refer to."""
 
 import numpy as np
 from satvib_common.arrays import Array

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Why a law does not act or does not adapt: texts as small numbers, so that a batch can hold one per item.
+"""Why a law does not act or does not adapt: texts as small numbers, so that an array can hold one per item.
 
-0 is the empty text: all is well.
+0 is the empty text: there is nothing to say.
 """
 
 from collections.abc import Iterable

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Excitation strut by strut: the voltage of IDENTIFY and the reference u_c of ADAPT."""
+"""The excitation of each strut: the voltage of IDENTIFY and the reference u_c of ADAPT."""
 
 import dataclasses
 from typing import Any
@@ -14,7 +14,15 @@ from satvib_control.laws.parameters import LawParameters
 
 
 class StrutSignals:
-    """One signal per strut on the last axis of `shape`; `at(i)` has `shape` and the unit of `amplitude`."""
+    """One signal for each strut on the last axis of `shape`.
+
+    Args:
+        name: of the signal.
+        amplitude: in the unit of the signal.
+        frequencies: Hz, for signals that have some.
+        parameters: of the controller.
+        shape: leading axes.
+    """
 
     def __init__(
         self,
@@ -39,6 +47,6 @@ class StrutSignals:
         ]
 
     def at(self, index: int) -> Array:
-        """Value at sample `index` of the phase."""
+        """Give the value (shape) at sample `index` of the phase, in the unit of `amplitude`."""
         values = np.array([signal.at(index) for signal in self.signals])
         return np.broadcast_to(values if self.shape else values[0], self.shape)

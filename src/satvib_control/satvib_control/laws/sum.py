@@ -4,20 +4,19 @@
 
     u = u_f + u_c,    u_f of the feedback laws, u_c of the laws that cancel (`cancels`: feedforward, narrowband).
 
-With y = G u + d and u_f = -C y the feedback makes y = S (G u_c + d). A canceller that looked at y would have to adapt
-through S G, a path that moves when the gain of the feedback does. So the feedback laws look at y itself, and the
-cancellers at
+With y = G u + d and u_f = -C y the feedback makes y = S (G u_c + d). A canceller on y would have to adapt through S G,
+and that path changes with the gain of the feedback. So the feedback laws get y itself, and the cancellers get
 
     y_c = y - G_hat u_f = G u_c + d    (G_hat = G),
 
-what there would be without the feedback: their path is G whatever the feedback does, and when they bring y_c to 0 then
-y = S y_c is 0 too. So the adaptation of one does not move the plant of the other.
+the vibration without the feedback. Their path is G for any feedback, and when they bring y_c to 0, y = S y_c is 0 too.
+So the adaptation of one law does not change the plant of the other.
 
-Anti-windup. When the guard takes something away it is taken from the cancellers, so the damping of the feedback stays;
-every part is told its own share and that the voltage was saturated.
+Anti-windup. What the guard cuts is cut from the cancellers, so the damping of the feedback stays. Every part gets its
+own share, and the information that the voltage was saturated.
 
-Gain budget. |S| of both together must stay below 1 / modulus_margin. Feedback and tone-cancelling feedback multiply, so
-each gets the square root of it; feedforward closes no loop and costs nothing.
+Gain budget. |S| of all parts together must stay below 1 / modulus_margin. The |S| of several loops multiply, so each of
+n loops gets the n-th root of it. Feedforward closes no loop and needs none of it.
 """
 
 import numpy as np
@@ -31,7 +30,7 @@ from satvib_control.laws.parameters import LawParameters
 
 
 class LawSum(BasicLaw[LawParameters]):
-    """Several laws on one coil; see the module's page.
+    """Several laws on one coil; see the module.
 
     Args:
         laws: classes of the laws.
@@ -61,13 +60,13 @@ class LawSum(BasicLaw[LawParameters]):
         return parameters.replace(modulus_margin=self._budget)
 
     def set_model(self, model: IirModel, trusted: Mask, covariance: Array | None = None) -> None:
-        """Hand the model to every part, and take it to tell the parts' effects apart."""
+        """Give the model to every part, and keep it to separate the effects of the parts."""
         self._model.take(model, trusted)
         for law in self.parts:
             law.set_model(model, trusted, covariance)
 
     def _shares(self, x: LawInput) -> list[Array]:
-        """What each part had of the voltage before: its demand, faded as all, the cut taken from the cancellers."""
+        """Give each part's share of the last voltage: its faded demand, without what the guard cut."""
         shares = [demand * x.fade for demand in self._demands]
         total = np.zeros(self.shape)
         for share in shares:
@@ -96,7 +95,7 @@ class LawSum(BasicLaw[LawParameters]):
         return total
 
     def _show(self) -> None:
-        """Merge the parts' states: of each figure the first that is known, of the reasons the first there is."""
+        """Merge the states of the parts: of each figure the first that is known, and the first reason."""
         state = self.state
         for name in STATE_FIELDS:
             merged = getattr(self.parts[-1].state, name)
@@ -111,7 +110,7 @@ class LawSum(BasicLaw[LawParameters]):
             state.reason = np.where(state.reason == 0, law.state.reason, state.reason)
 
     def apply(self, parameters: LawParameters) -> None:
-        """Hand new settings to every part."""
+        """Give new settings to every part."""
         super().apply(parameters)
         for law in self.parts:
             law.apply(self._shared(parameters))

@@ -2,27 +2,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """The dominant mode of an identified model, the polarity of its coil, and the gain that gives a wanted damping.
 
-The mode. For an isolator G ~ s^2 / (s^2 + 2 zeta w s + w^2) the loop L = C G with C ~ 1/s peaks at w whatever the
-damping. Poles alone would not do: an identified model of higher order has some that zeros cancel, often nearest to the
-unit circle, and some of filters. So the mode is the pole (or pair) whose partial fraction, without the input delay, is
-largest at the peak w_p, weighed by 1 / (1 + (2 ln(|s| / w_p))^2) for its distance from it; real poles count only when
-no pair makes a twentieth of the peak.
+The mode. For an isolator G ~ s^2 / (s^2 + 2 zeta w s + w^2) the loop L = C G with C ~ 1/s has its peak at w for any
+damping. The poles alone do not show the mode: an identified model of higher order has poles that zeros cancel, often
+nearest to the unit circle, and poles of filters. So the mode is the pole (or pair) whose partial fraction, without the
+input delay, is largest at the peak w_p, weighted by 1 / (1 + (2 ln(|s| / w_p))^2) for its distance from the peak. Real
+poles count only when no pair makes a twentieth of the peak.
 
-Polarity. The paper's Eqs. (40)-(41) carry minus signs that belong to its own wiring. Here the sign comes from the
-model: it is the sign of K for which u = -K C y reduces the vibration around and below the mode, that is the sign of
+Polarity. The minus signs of the paper's Eqs. (40)-(41) belong to its own wiring. Here the sign comes from the model: it
+is the sign of K for which u = -K C y reduces the vibration around and below the mode, that is the sign of
 
     sum over f in [0.3, 1.1] f_peak of Re L(f) |L(f)|.
 
-(The step response would not do: a stiff strut sampled slowly has forgotten the kick before the first sample sees it.)
+(The step response would not do: on a stiff strut with slow sampling it has decayed before the first sample.)
 
-Damping. A second-order mode s^2 + 2 zeta w_0 s + w_0^2 answers at w_0 with 1 / (2 zeta), so a loop that makes that
-answer |1 + K L(w_0)| times smaller has given it the effective damping
+Damping. A second-order mode s^2 + 2 zeta w_0 s + w_0^2 has the response 1 / (2 zeta) at w_0. A loop that makes that
+response |1 + K L(w_0)| times smaller has given it the effective damping
 
     zeta(K) = zeta_0 |1 + K L(w_0)|,
 
-which is the pole's own damping for an ideal skyhook. It is used in place of the closed-loop pole's because it stays
-one number, and means what people want, where filters and delays make the poles meet and change partners. The gain
-that attains a wanted zeta is the root of a quadratic.
+which for an ideal skyhook is the damping of the pole. It is used in the place of the damping of the closed-loop pole,
+because filters and delays make poles meet and split, while this stays one number. The gain for a wanted zeta is the
+root of a quadratic.
 """
 
 import cmath
@@ -40,7 +40,7 @@ from satvib_control.model_analysis.transfer import model_polynomials, value
 
 
 def _roots(c: Array) -> Complex:
-    """Roots in z of a polynomial in z^-1; trailing zeros are roots at 0, which nobody needs."""
+    """Roots in z of a polynomial in z^-1; trailing zeros would be roots at 0, and are left out."""
     last = len(c)
     while last > 1 and c[last - 1] == 0.0:
         last -= 1
@@ -57,11 +57,11 @@ def _loop(b: Array, a: Array, cb: Array, ca: Array, f: Array) -> Complex:
 
 
 def _peak(b: Array, a: Array, cb: Array, ca: Array) -> float:
-    """Where |C B/A| is largest, as a share of the sample rate."""
+    """Frequency at which |C B/A| is largest, as a share of the sample rate."""
     return _peak_of(b.tobytes(), a.tobytes(), cb.tobytes(), ca.tobytes())
 
 
-# one design asks for the same peak and the same pole several times; a campaign designs for thousands
+# one design needs the same peak and the same pole several times; a campaign makes thousands of designs
 @lru_cache(maxsize=16384)
 def _peak_of(b: bytes, a: bytes, cb: bytes, ca: bytes) -> float:
     f, zi, top, bottom = _grid(cb, ca)
@@ -104,7 +104,7 @@ def _dominant(b: Array, a: Array, cb: Array, ca: Array, delay: int) -> complex:
         distance = 2.0 * math.log(abs(cmath.log(z)) / w)
         score = abs(part) / (1.0 + distance * distance)
         if z.imag == 0.0 or abs(part) < 0.05 * height:
-            score *= 1e-6  # the choice among those is made only when there is nothing better
+            score *= 1e-6  # chosen only when there is no other
         if score > largest:
             best, largest = z, score
     return best
@@ -131,7 +131,7 @@ def dominant_pole(model: IirModel, numerator: ArrayLike, denominator: ArrayLike)
 
 
 def polarity(model: IirModel, numerator: ArrayLike, denominator: ArrayLike) -> Array:
-    """Give +1 or -1 per item: the sign of K for which u = -K C y calms the dominant mode; C as above."""
+    """Give +1 or -1 per item: the sign of K for which u = -K C y reduces the dominant mode; C as above."""
     b, a = model_polynomials(model)
     cb, ca = np.asarray(numerator, dtype=float), np.asarray(denominator, dtype=float)
     out = np.ones(a.shape[:-1])

@@ -12,23 +12,24 @@ largest interval around 0 that no frequency violates is
 
     ( max over w of the negative roots next to 0, min over w of the positive roots next to 0 ).
 
-Inside it the loop is stable: it is so at K = 0, and as K moves no closed-loop pole can cross the unit circle while
-|1 + K L| >= mu > 0 for every w. The minimum is taken on a grid and refined by golden section around each local one.
+Inside it the loop is stable. It is stable at K = 0, and when K changes no closed-loop pole can cross the unit circle
+while |1 + K L| >= mu > 0 for every w. The minimum is taken on a grid and refined by golden section around each local
+one.
 
-With a covariance of the model's parameters the Nyquist curve becomes a tube. To first order L moves by J dtheta, whose
-ellipse at each frequency has the largest semi-axis rho(w) at the wanted confidence, and the condition becomes
+With a covariance of the model's parameters the Nyquist curve becomes a tube. To first order L moves by J dtheta. At
+each frequency that is an ellipse, whose largest semi-axis at the wanted confidence is rho(w). The condition becomes
 
     |1 + K L| >= mu + |K| rho,
 
-again a quadratic for each sign of K: the worst case over the confidence ellipsoid, frequency by frequency.
+again a quadratic for each sign of K: the worst case over the confidence ellipsoid at each frequency.
 
 Source: Garcia, Karimi, Longchamp, "Robust controller design by linear programming", and Landau et al., Adaptive
-Control, 2nd ed., section 8.3 (modulus margin), in the scalar form worked out above.
+Control, 2nd ed., section 8.3 (modulus margin), in the scalar form above.
 """
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -44,9 +45,14 @@ if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
 
 
+LOWEST = 1e-4  # first point of the grid, as a share of the sample rate
+POINTS = 800
+GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+
+
 @dataclass(frozen=True)
 class GainBounds:
-    """Where a gain may be.
+    """The interval in which a gain keeps the margin.
 
     Attributes:
         minimum: shape; not above 0.
@@ -61,49 +67,72 @@ class GainBounds:
         return np.minimum(np.maximum(gain, self.minimum), self.maximum)
 
 
+class _Loop(NamedTuple):
+    """One loop.
+
+    Attributes:
+        a, b: of the model.
+        delay: samples.
+        cb, ca: polynomials of the controller C.
+        covariance: (n + m, n + m) scaled to the confidence ellipsoid, or 0 x 0 for none.
+        margin: mu.
+    """
+
+    a: Array
+    b: Array
+    delay: float
+    cb: Array
+    ca: Array
+    covariance: Array
+    margin: float
+
+
 @njit
-def _limit(
-    f: Any, side: Any, a: Any, b: Any, delay: Any, cb: Any, ca: Any, cov: Any, margin: Any
-) -> float:
-    """Smallest |K| of one sign (side 0: negative, 1: positive) that violates the margin at f (share of the rate)."""
+def _semi_axis(loop, zi, zd, c, g, den):
+    """The largest semi-axis rho of the ellipse of C G at one frequency, for a covariance that is there."""
+    covariance = loop.covariance
+    n, size = loop.a.shape[0], covariance.shape[0]
+    re = np.empty(size)
+    im = np.empty(size)
+    power = zi
+    for i in range(n):
+        j = -c * g * power / den
+        re[i], im[i] = j.real, j.imag
+        power = power * zi
+    power = zd
+    for i in range(loop.b.shape[0]):
+        j = c * power / den
+        re[n + i], im[n + i] = j.real, j.imag
+        power = power * zi
+    rr = 0.0
+    ri = 0.0
+    ii = 0.0
+    for i in range(size):
+        for j in range(size):
+            rr += re[i] * covariance[i, j] * re[j]
+            ri += re[i] * covariance[i, j] * im[j]
+            ii += im[i] * covariance[i, j] * im[j]
+    half = 0.5 * (rr + ii)
+    return math.sqrt(max(half + math.sqrt(0.25 * (rr - ii) * (rr - ii) + ri * ri), 0.0))
+
+
+@njit
+def _limit(f, sign, loop):
+    """Smallest |K| of a sign (-1 or 1) that violates the margin at f, a share of the sample rate."""
     w = 2.0 * math.pi * f
     zi = complex(math.cos(w), -math.sin(w))
-    den = 1.0 + zi * horner(a, zi)
-    zd = complex(math.cos(w * delay), -math.sin(w * delay))
-    c = horner(cb, zi) / horner(ca, zi)
-    g = zd * horner(b, zi) / den
-    loop = c * g
+    den = 1.0 + zi * horner(loop.a, zi)
+    zd = complex(math.cos(w * loop.delay), -math.sin(w * loop.delay))
+    c = horner(loop.cb, zi) / horner(loop.ca, zi)
+    g = zd * horner(loop.b, zi) / den
+    response = c * g
     rho = 0.0
-    n = a.shape[0]
-    size = cov.shape[0]
-    if size > 0:
-        re = np.empty(size)
-        im = np.empty(size)
-        power = zi
-        for i in range(n):
-            j = -c * g * power / den
-            re[i], im[i] = j.real, j.imag
-            power = power * zi
-        power = zd
-        for i in range(b.shape[0]):
-            j = c * power / den
-            re[n + i], im[n + i] = j.real, j.imag
-            power = power * zi
-        rr = 0.0
-        ri = 0.0
-        ii = 0.0
-        for i in range(size):
-            for j in range(size):
-                rr += re[i] * cov[i, j] * re[j]
-                ri += re[i] * cov[i, j] * im[j]
-                ii += im[i] * cov[i, j] * im[j]
-        half = 0.5 * (rr + ii)
-        rho = math.sqrt(max(half + math.sqrt(0.25 * (rr - ii) * (rr - ii) + ri * ri), 0.0))
-    real = loop.real if side == 1 else -loop.real
+    if loop.covariance.shape[0] > 0:
+        rho = _semi_axis(loop, zi, zd, c, g, den)
     # (|L|^2 - rho^2) k^2 + 2 (Re - mu rho) k + 1 - mu^2 >= 0 for k = |K|
-    p = loop.real * loop.real + loop.imag * loop.imag - rho * rho
-    q = real - margin * rho
-    r = 1.0 - margin * margin
+    p = response.real * response.real + response.imag * response.imag - rho * rho
+    q = sign * response.real - loop.margin * rho
+    r = 1.0 - loop.margin * loop.margin
     root = q * q - p * r
     if root < 0.0:
         return np.inf
@@ -114,46 +143,51 @@ def _limit(
     return r / (-q + root)
 
 
+@njit
+def _refined(left, right, sign, loop):
+    """Smallest limit between two logarithms of f, by golden section."""
+    best = np.inf
+    for _ in range(40):
+        x1 = right - GOLDEN * (right - left)
+        x2 = left + GOLDEN * (right - left)
+        f1 = _limit(math.exp(x1), sign, loop)
+        f2 = _limit(math.exp(x2), sign, loop)
+        best = min(best, f1, f2)
+        if f1 < f2:
+            right = x2
+        else:
+            left = x1
+    return best
+
+
+@njit
+def _smallest(sign, loop):
+    """Smallest limit over all frequencies, of one sign of K."""
+    start = math.log(LOWEST)
+    step = (math.log(0.5) - start) / (POINTS - 1)
+    grid = np.empty(POINTS)
+    best = np.inf
+    for i in range(POINTS):
+        grid[i] = _limit(math.exp(start + step * i), sign, loop)
+        best = min(best, grid[i])
+    for i in range(POINTS):
+        low, high = max(i - 1, 0), min(i + 1, POINTS - 1)
+        # only minima that could still be the smallest are refined
+        if grid[i] > 1.5 * best or grid[i] > grid[low] or grid[i] > grid[high]:
+            continue
+        best = min(best, _refined(start + step * low, start + step * high, sign, loop))
+    return best
+
+
 @kernel(
     'void(f8[:], f8[:], f8, f8[:], f8[:], f8[:,:], f8, f8[:], f8[:])',
     '(n),(m),(),(c),(e),(q,q),()->(),()',
 )
-def _bounds(
-    a: Any, b: Any, delay: Any, cb: Any, ca: Any, cov: Any, margin: Any, low: Any, high: Any
-) -> None:
-    """Interval of one item; `cov` is already scaled to the confidence ellipsoid, 0 x 0 for none."""
-    points = 800
-    start = math.log(1e-4)  # first grid point, as a share of the sample rate
-    step = (math.log(0.5) - start) / (points - 1)
-    golden = (math.sqrt(5.0) - 1.0) / 2.0
-    grid = np.empty(points)
-    for side in range(2):
-        best = np.inf
-        for i in range(points):
-            grid[i] = _limit(math.exp(start + step * i), side, a, b, delay, cb, ca, cov, margin)
-            best = min(best, grid[i])
-        for i in range(points):
-            before = grid[max(i - 1, 0)]
-            after = grid[min(i + 1, points - 1)]
-            # only minima that could still be the smallest are worth refining
-            if grid[i] > 1.5 * best or grid[i] > before or grid[i] > after:
-                continue
-            left = start + step * max(i - 1, 0)
-            right = start + step * min(i + 1, points - 1)
-            for _ in range(40):
-                x1 = right - golden * (right - left)
-                x2 = left + golden * (right - left)
-                f1 = _limit(math.exp(x1), side, a, b, delay, cb, ca, cov, margin)
-                f2 = _limit(math.exp(x2), side, a, b, delay, cb, ca, cov, margin)
-                best = min(best, f1, f2)
-                if f1 < f2:
-                    right = x2
-                else:
-                    left = x1
-        if side == 0:
-            low[0] = -best
-        else:
-            high[0] = best
+def _bounds(a, b, delay, cb, ca, covariance, margin, low, high):
+    """Interval of one item; see `_Loop`."""
+    loop = _Loop(a, b, delay, cb, ca, covariance, margin)
+    low[0] = -_smallest(-1.0, loop)
+    high[0] = _smallest(1.0, loop)
 
 
 def gain_bounds(
@@ -167,7 +201,7 @@ def gain_bounds(
     """Give the interval of K for u = -K C(z) y.
 
     Args:
-        model: G, batched as it is.
+        model: G, one or a batch.
         numerator: (..., c), of C in z^-1, lowest power first.
         denominator: (..., e), of C.
         margin: modulus margin, in (0, 1).
@@ -180,7 +214,7 @@ def gain_bounds(
     if covariance is None:
         cov = np.zeros((0, 0))
     else:
-        # the quantile of chi squared, without scipy.stats: to import that takes a third of a second, in mid-run
+        # the quantile of chi squared, without scipy.stats: its import would take a third of a second during the run
         quantile = 2.0 * float(gammaincinv(0.5 * size, confidence))
         cov = np.asarray(covariance, dtype=float) * quantile
         cov = np.where(np.isfinite(cov), cov, 0.0)

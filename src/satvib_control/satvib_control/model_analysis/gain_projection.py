@@ -3,9 +3,8 @@
 """Projection of several gains on what the identified model proves stable with a modulus margin.
 
 With u = -(K_1 C_1 + K_2 C_2 + ...) y the loop is L = sum_j K_j L_j. Along the ray t K the condition |1 + t L(w)| >= mu
-is a quadratic in t for each frequency, as in `gain_bounds`; t* is the smallest positive root over the grid, and gains
-with t* < 1 are brought back. The gains so reached are connected with 0 through gains that keep the margin, and so
-stable.
+is a quadratic in t for each frequency, as in `gain_bounds`. t* is the smallest positive root over the grid. Where
+t* < 1 the gains are multiplied by t*. Between 0 and the result all gains keep the margin, so the loop is stable.
 """
 
 import math
@@ -70,9 +69,9 @@ def loop_grid(numerators: list[ArrayLike], denominator: ArrayLike) -> Array:
 def ray(gains: Any, scale: Any, grid: Any, margin: Any, out: Any) -> None:
     """Gains (..., j) that keep the margin, near those asked for.
 
-    The worst frequency is repaired first by a Newton step along its own gradient in the metric of `scale` (..., j; a
-    gain of scale 0 stays), a few times, so that gains slide along the bound instead of shrinking together. Whatever
-    that leaves is scaled down along the ray, which is the proof.
+    First, a few times, a Newton step along the gradient of |1 + L|^2 at the worst frequency, in the metric of `scale`
+    (..., j; a gain of scale 0 stays). So gains move along the bound instead of shrinking together. The result is then
+    scaled down along the ray, which proves the margin.
     """
     count = gains.shape[0]
     slope = np.empty(count)

@@ -6,23 +6,27 @@ With L = K C G on the unit circle:
 
     modulus margin  min |1 + L| = 1 / max |S|
     phase margin    min over |L| = 1 of |arg L - pi|, and the delay margin min over |L| = 1 of that angle / w:
-                    how much later the voltage may come before the loop oscillates
+                    how much later the voltage may come until the loop oscillates
     gain margin     the factor on K at which the loop first oscillates
 
-Found on a grid, crossings refined by bisection. Angles of the delay margin are taken clockwise, in (0, 2 pi].
+They are found on a grid, and crossings are refined by bisection. Angles of the delay margin are taken clockwise, in
+(0, 2 pi].
 """
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.model_analysis.transfer import model_polynomials, multiply, respond
+
+LOWEST = 1e-4  # first point of the grid, as a share of the sample rate
+POINTS = 4000
 
 
 @dataclass(frozen=True)
@@ -42,44 +46,52 @@ class Margins:
     gain: Array
 
 
+@njit
+def _height(f, num, den):
+    """|L| - 1 at a logarithm of f: its sign changes where |L| = 1."""
+    return abs(respond(num, den, 2.0 * math.pi * math.exp(f))) - 1.0
+
+
+@njit
+def _side(f, num, den):
+    """Im L at a logarithm of f: its sign changes where L is real."""
+    return respond(num, den, 2.0 * math.pi * math.exp(f)).imag
+
+
+@njit
+def _crossing(function, low, high, sign, num, den):
+    """Angular frequency per sample where a function changes its sign, which is `sign` at `low`, by bisection."""
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        if function(middle, num, den) * sign > 0.0:
+            low = middle
+        else:
+            high = middle
+    return 2.0 * math.pi * math.exp(0.5 * (low + high))
+
+
 @kernel('void(f8[:],f8[:],f8[:],f8[:],f8[:],f8[:])', '(p),(r)->(),(),(),()')
-def _margins(num: Any, den: Any, modulus: Any, phase: Any, delay: Any, gain: Any) -> None:
-    points = 4000
-    start = math.log(1e-4)
-    step = (math.log(0.5) - start) / (points - 1)
+def _margins(num, den, modulus, phase, delay, gain):
+    """Margins of one loop num/den; the delay in samples."""
+    start = math.log(LOWEST)
+    step = (math.log(0.5) - start) / (POINTS - 1)
     modulus[0] = 1.0
     phase[0] = np.inf
     delay[0] = np.inf
     gain[0] = np.inf
     before = respond(num, den, 2.0 * math.pi * math.exp(start))
-    for i in range(1, points):
+    for i in range(1, POINTS):
         low, high = start + step * (i - 1), start + step * i
         here = respond(num, den, 2.0 * math.pi * math.exp(high))
         modulus[0] = min(modulus[0], abs(1.0 + here))
         if (abs(before) - 1.0) * (abs(here) - 1.0) < 0.0:
-            sign = abs(before) - 1.0
-            a, b = low, high
-            for _ in range(50):
-                middle = 0.5 * (a + b)
-                if (abs(respond(num, den, 2.0 * math.pi * math.exp(middle))) - 1.0) * sign > 0.0:
-                    a = middle
-                else:
-                    b = middle
-            w = 2.0 * math.pi * math.exp(0.5 * (a + b))
+            w = _crossing(_height, low, high, abs(before) - 1.0, num, den)
             crossing = respond(num, den, w)
             angle = math.atan2(crossing.imag, crossing.real)
             phase[0] = min(phase[0], math.pi - abs(angle))
             delay[0] = min(delay[0], (angle + math.pi if angle > -math.pi else 2.0 * math.pi) / w)
         if before.imag * here.imag < 0.0 and here.real < 0.0 and before.real < 0.0:
-            sign = before.imag
-            a, b = low, high
-            for _ in range(50):
-                middle = 0.5 * (a + b)
-                if respond(num, den, 2.0 * math.pi * math.exp(middle)).imag * sign > 0.0:
-                    a = middle
-                else:
-                    b = middle
-            crossing = respond(num, den, 2.0 * math.pi * math.exp(0.5 * (a + b)))
+            crossing = respond(num, den, _crossing(_side, low, high, before.imag, num, den))
             if crossing.real > -1.0:
                 gain[0] = min(gain[0], -1.0 / crossing.real)
         before = here

@@ -97,7 +97,7 @@ def test_models_ahead_of_the_first_sample_are_kept():
 
 
 def test_another_run_forgets_the_models_of_the_one_before():
-    """Truth: by hand; whichever of the two streams begins anew first."""
+    """Truth: by hand; whichever of the two streams begins the new run first."""
     for model_first in (False, True):
         queue = ModelQueue(PERIOD, wait=True)
         queue.begin(0)

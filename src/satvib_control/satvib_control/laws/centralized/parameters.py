@@ -9,32 +9,39 @@ from satvib_common.schema import param
 
 from satvib_control.parameters import ControllerParameters
 
-MODES = ('w', 'alpha', 'beta')
-
 
 @dataclass(frozen=True, kw_only=True)
 class CentralizedParameters(ControllerParameters):
-    """What a strut's controller has, and the geometry and the gains of the modal law.
+    """The parameters of a strut's controller, with the geometry and the gains of the modal law.
 
-    The gains are in the order w, alpha, beta; tilts count as the motion that they make at the struts' circle, so that
-    all three have one unit, and equal gains are the same gain at every strut.
+    The gains are in the order w, alpha, beta. A tilt is the motion that it makes at the circle of the struts, so all
+    three have one unit, and equal gains are the same gain at every strut.
     """
 
     law: str = param(
-        'centralized', 'law; no other one sees all struts', choices=('centralized',), read_only=True
+        'centralized',
+        'law; no other law gets the samples of all struts',
+        choices=('centralized',),
+        read_only=True,
     )
     strut_angles: tuple[float, ...] = param(
-        (90.0, 210.0, 330.0), 'where the struts stand, from x', unit='deg', read_only=True
+        (90.0, 210.0, 330.0), 'angles of the struts, from x', unit='deg', read_only=True
     )
     gains_p: tuple[float, ...] = param(
-        (0.0, 0.0, 0.0), 'P, on the velocity of each mode: a damper', unit='V/(m/s)', read_only=True
+        (0.0, 0.0, 0.0),
+        'P, on the velocity of each mode: acts like a damper',
+        unit='V/(m/s)',
+        read_only=True,
     )
     gains_i: tuple[float, ...] = param(
-        (0.0, 0.0, 0.0), 'I, on the position of each mode: a spring', unit='V/m', read_only=True
+        (0.0, 0.0, 0.0),
+        'I, on the position of each mode: acts like a spring',
+        unit='V/m',
+        read_only=True,
     )
     gains_d: tuple[float, ...] = param(
         (0.0, 0.0, 0.0),
-        'D, on the acceleration of each mode: a mass',
+        'D, on the acceleration of each mode: acts like a mass',
         unit='V/(m/s^2)',
         read_only=True,
     )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The centralized law and its core: modes, the shared fate of the struts, and bits that do not depend on the batch."""
+"""The centralized law and its core: modes, what stops all struts, and bits that do not depend on the batch."""
 
 import numpy as np
 import pytest

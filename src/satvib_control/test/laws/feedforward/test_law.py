@@ -79,7 +79,7 @@ def decibel(after, before):
 
 
 def test_it_is_found_by_name():
-    """Truth: the class of this package, and it wants a model and looks at the plant without other laws' feedback."""
+    """Truth: the class of this package; it needs a model, and gets the plant without the feedback of other laws."""
     law = law_class('feedforward')
     assert law.__module__ == 'satvib_control.laws.feedforward.law'
     assert law.needs_model
