@@ -64,6 +64,21 @@ def test_every_file_and_test_that_is_named_exists(page):
     assert names == set()
 
 
+def test_every_name_of_a_recipe_stands_in_its_file():
+    """Truth: the file: `LAWS` of `satvib_control/laws/registry.py`."""
+    text = PAGES['docs/architecture.md']
+    found = re.findall(r'`(\w+)` (?:of|in) `((satvib_\w+)/[\w/]+\.py)`', text)
+    found += [(name, path, package) for path, package, name in
+              re.findall(r'`((satvib_\w+)/[\w/]+\.py)`,? \(?`(\w+)`', text)]  # fmt: skip
+    missing = [
+        (name, path)
+        for name, path, package in found
+        if not re.search(rf'\b{name}\b', (ROOT / 'src' / package / path).read_text())
+    ]
+    assert missing == []
+    assert len(found) > 8
+
+
 @pytest.mark.parametrize('page', PAGES)
 def test_a_page_uses_the_words_of_the_field(page):
     """No picture in the place of a term; names of code are left out."""
