@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which wire is what: the description of the analog channels, from YAML.
+"""The description of the analog channels, from YAML.
 
 Each channel names its own device and index, because three struts may need more than one board (the paper's PCI-6025E
-has two outputs). Everything that decides what a volt means or how much of it may leave has no default: a channel in
-which it is missing is refused by name.
+has two outputs). What decides the meaning of a volt, and the limits of an output, has no default: a channel without it
+is refused by name.
 
     acceleration = polarity (volts - zero_voltage) / sensitivity - bias
     converter    = polarity voltage / gain
@@ -131,7 +131,7 @@ class StrutChannels(Schema):
 
 @dataclass(frozen=True, kw_only=True)
 class _File(Schema):
-    """The file before its struts are looked at."""
+    """The file before its struts are checked."""
 
     back_end: str = param(description='who drives the devices', choices=BACK_ENDS)
     options: dict[str, Any] = param(dict, 'settings of the back end')

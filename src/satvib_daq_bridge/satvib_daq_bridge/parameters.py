@@ -14,7 +14,7 @@ _SHORTEST_SILENCE = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class BridgeParameters(Schema):
-    """Which channels, how fast, and how long anything may be silent."""
+    """Channels, sample rate, and the longest silences."""
 
     channels: str = param(description='path of the channels file', read_only=True)
     sample_rate: float = param(
@@ -37,7 +37,7 @@ class BridgeParameters(Schema):
         read_only=True,
     )
     calibration_time: float = param(
-        1.0, 'how long the bias is learnt, at rest and 0 V', unit='s', minimum=1.0, read_only=True
+        1.0, 'how long the bias is measured, at rest and 0 V', unit='s', minimum=1.0, read_only=True
     )
     calibration_file: str = param('', 'where the bias is written; empty: nowhere', read_only=True)
     railed_samples: int = param(

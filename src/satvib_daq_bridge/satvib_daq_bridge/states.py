@@ -20,7 +20,7 @@ from satvib_common.errors import SatvibError
 
 
 class State(Enum):
-    """What a bridge does."""
+    """The state of a bridge."""
 
     UNCONFIGURED = 0
     IDLE = 1
@@ -46,11 +46,11 @@ class Transition:
 
 
 class StateMachine:
-    """Holds the state; every change is told to `changed`, after it is in force.
+    """Holds the state; `changed` is called after every change.
 
     Args:
         changed: called with each transition.
-        latched: what a machine before this one has latched.
+        latched: the fault that a machine before this one has latched.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class StateMachine:
             self._go(State.IDLE, reason)
 
     def unconfigure(self, reason: str = 'cleaned up') -> None:
-        """Any -> UNCONFIGURED; a latched fault is kept in mind."""
+        """Any -> UNCONFIGURED; a latched fault is kept."""
         if self.state is not State.UNCONFIGURED:
             self._go(State.UNCONFIGURED, reason)
 

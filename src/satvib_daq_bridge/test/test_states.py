@@ -53,7 +53,7 @@ def test_no_way_but_those_of_the_table(events):
     assert all(t.after in {I, U} for t in told if t.before is E)
 
 
-def test_the_first_fault_is_the_one_that_is_told():
+def test_the_first_fault_is_the_one_that_is_reported():
     machine = StateMachine()
     machine.configure()
     machine.fault('first')

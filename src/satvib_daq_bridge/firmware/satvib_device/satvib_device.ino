@@ -4,9 +4,9 @@
 // Reference firmware of a satvib acquisition device: six accelerometers in, three coils out, over USB serial.
 //
 // Written for a Teensy 4.1 (600 MHz, native USB) with an AD5754R (four outputs of +-10 V, 16 bit, SPI) and the board's
-// own 12-bit ADC behind a divider. Another board needs other bodies for the three functions under "Hardware"; nothing
-// else knows the hardware. It has been compiled against a stub of the Arduino functions and held against the Python
-// model of the protocol, but it has not been run on a board: measure yours with the coils disconnected first.
+// own 12-bit ADC behind a divider. Another board needs other bodies for the three functions under "Hardware"; no other
+// part uses the hardware. It was compiled against a stub of the Arduino functions and compared with the Python
+// model of the protocol, but it was not run on a board: measure yours with the coils disconnected first.
 //
 // THIS IS NO SAFETY FUNCTION. Wire the amplifiers' supply through an enable chain with a latching button
 // (docs/hardware.md); route its contact to kEnablePin too, so that the host can see it.
@@ -61,7 +61,7 @@ void beginHardware() {
   pinMode(kEnablePin, INPUT_PULLUP);
   pinMode(kDacSelect, OUTPUT);
   digitalWrite(kDacSelect, HIGH);
-  // the clear line holds 0 V while it is low: through reset, and whenever the enable chain opens
+  // a low clear line holds 0 V: during reset, and while the enable chain is open
   pinMode(kDacClear, OUTPUT);
   digitalWrite(kDacClear, LOW);
   SPI.begin();
@@ -102,7 +102,7 @@ void designFilters(double corner) {
 // ---- Protocol
 
 bool sendFrame(const uint8_t *data, size_t size) {
-  if (Serial.availableForWrite() < static_cast<int>(size)) return false;  // a slow reader costs frames, not time
+  if (Serial.availableForWrite() < static_cast<int>(size)) return false;  // a slow reader loses frames and delays nothing
   return Serial.write(data, size) == size;
 }
 
@@ -150,7 +150,7 @@ void loop() {
   }
   if (static_cast<int32_t>(now - next_fast) < 0) return;
   next_fast += kFastPeriod;
-  if (static_cast<int32_t>(now - next_fast) > 0) next_fast = now + kFastPeriod;  // never two in a row
+  if (static_cast<int32_t>(now - next_fast) > 0) next_fast = now + kFastPeriod;  // after a delay, the next one is a full period away
 
   int32_t inputs[kInputs];
   for (uint8_t i = 0; i < kInputs; ++i) {

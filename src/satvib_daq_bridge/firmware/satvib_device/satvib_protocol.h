@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The satvib authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The device's side of the satvib serial protocol (docs/serial_protocol.md): no heap, no hardware, no clock of its own.
-// A test of satvib_daq_bridge compiles this file and holds it against the Python model, byte for byte.
+// The device's side of the satvib serial protocol (docs/serial_protocol.md): without heap, hardware or clock.
+// A test of satvib_daq_bridge compiles this file and compares it with the Python model, byte for byte.
 //
 // Times are microseconds of a 32-bit clock that wraps (Arduino's micros()); voltages are whole microvolts.
 #ifndef SATVIB_PROTOCOL_H
@@ -60,7 +60,7 @@ inline size_t cobsEncode(const uint8_t *data, size_t size, uint8_t *out) {
   return at;
 }
 
-// Undoes cobsEncode in place; gives the length, or -1 for bytes that no encoder makes.
+// Undoes cobsEncode in place; gives the length, or -1 for bytes that are no valid encoding.
 inline int cobsDecode(uint8_t *data, size_t size) {
   size_t at = 0, out = 0;
   while (at < size) {
@@ -242,7 +242,7 @@ class Device {
     watch(now);
     const uint32_t ahead = number - command_;
     const bool in_order = ahead != 0 && ahead < 0x80000000u;
-    if (body[4] == 0) {  // the way to 0 V is always open; only a latch wants the right order
+    if (body[4] == 0) {  // a command to 0 V is always taken; only the release of a latch must be in order
       if (enabled_) zero(0);
       if (in_order) {
         command_ = number;

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a back end is: the one interface between the bridge and whatever has the converters.
+"""What a back end is: the one interface between the guardian and the converters.
 
 All voltages are at the converters' terminals; inputs and outputs are in the order of `Channels`. A back end decides
-nothing: what it is told to write has been through the output guard.
+nothing: the output guard has checked what it writes.
 """
 
 import math
@@ -22,11 +22,11 @@ S = TypeVar('S', bound=Schema)
 
 
 class BackEndError(Exception):
-    """A device that fails while it runs, told in one line."""
+    """A device fails while it runs; the message is one line."""
 
 
 class EndOfRecordError(BackEndError):
-    """There is nothing left to read: a record that was played is over."""
+    """Nothing is left to read: the recording that is played has ended."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,10 @@ class Reading:
 
     Attributes:
         sequence: index of the sample since `start`; a gap is a lost sample.
-        time: s of the monotonic clock, when it was taken, as well as that is known.
+        time: s of the monotonic clock, when it was taken, as exactly as that is known.
         volts: (inputs) V at the terminals.
         late: s, how much later than its time it was there.
-        fault: what the device says is wrong with itself; empty when nothing is.
+        fault: the fault that the device reports; empty without one.
     """
 
     sequence: int
@@ -70,7 +70,7 @@ class BackEnd(ABC):
         """Connect, put every output to 0 V, and give one line about what was found.
 
         Raises:
-            SatvibError: something that people must correct.
+            SatvibError: a fault in channels, options or wiring that a person must correct.
         """
 
     @abstractmethod
@@ -78,7 +78,7 @@ class BackEnd(ABC):
         """Begin to sample, with sample 0 next."""
 
     def begin_run(self) -> None:  # noqa: B027 - most have nothing to do
-        """Hear that the next sample is the first of an experiment; only simulations care."""
+        """Take note that the next sample is the first of an experiment; simulations begin their disturbance."""
 
     def fileno(self) -> int:
         """A descriptor that becomes readable when there is something to poll; -1: none."""
@@ -110,7 +110,7 @@ class BackEnd(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Let go of the devices; never raises."""
+        """Close the devices; never raises."""
 
     def figures(self) -> dict[str, float]:
         """Counts for people."""
@@ -158,7 +158,7 @@ def check_indices(where: str, named: Sequence[tuple[str, Channel]], count: int, 
 
 
 def missing_library(back_end: str, library: str, command: str) -> SatvibError:
-    """Say which library a back end misses and how to get it."""
+    """Make the error for a library that is not installed, with the command that installs it."""
     return SatvibError(f'back end {back_end}: {library} is missing; install it with: {command}')
 
 

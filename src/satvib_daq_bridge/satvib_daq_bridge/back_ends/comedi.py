@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Back end `comedi`: boards with a Linux comedi driver, such as the paper's own PCI-6025E.
 
-A device is /dev/comedi0 and so on; each may have several boards' worth of channels, and three struts need two boards of
-the paper's kind. The host keeps the time: every period all inputs are read one after the other, and outputs are written
-as soon as they are there. A comedi output holds its last value for ever, also when its writer was killed (7 V were seen
-to stay): the guardian zeroes them, and nothing but hardware does when the guardian is killed with the bridge.
+A device is /dev/comedi0 and so on; three struts need two boards of the paper's kind. The host keeps the time: every
+period all inputs are read one after the other, and outputs are written as soon as their voltages are there. A comedi
+output holds its last value without end, also when its writer was killed (measured: 7 V stayed). The guardian puts the
+outputs to 0 V. When guardian and bridge are killed together, only hardware can.
 """
 
 import ctypes

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""libcomedi by ctypes: as much of it as single readings and writings need, and its errors in words.
+"""libcomedi by ctypes: the functions for single readings and writings, and its errors in words.
 
 The names and types are those of comedilib 0.11, <comedilib.h>.
 """
@@ -81,7 +81,7 @@ class Comedi:
         """Call a function; a result that means an error (-1, or none) is one.
 
         Raises:
-            BackEndError: what the library says, `where` it happened.
+            BackEndError: the error text of the library, with `where` it happened.
         """
         result = self.call(name, *arguments)
         if result is None or (isinstance(result, int) and result == -1):
@@ -89,7 +89,7 @@ class Comedi:
         return result
 
     def error(self) -> str:
-        """What the library says about its last error."""
+        """Give the text of the library's last error."""
         number = self.call('comedi_errno')
         text = self.call('comedi_strerror', number)
         said = text.decode(errors='replace') if text else os.strerror(number)

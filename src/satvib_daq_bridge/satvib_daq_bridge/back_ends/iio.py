@@ -7,7 +7,7 @@ A device is the name or the id of an IIO device (`ad7606`, `iio:device0`); input
 
     volts = (raw + offset) scale / 1000      scale is in mV per count, as the kernel says
 
-An IIO output holds its last value for ever, as a comedi one does.
+An IIO output holds its last value without end, as a comedi output does.
 """
 
 import contextlib
@@ -95,7 +95,7 @@ class IioDevices(Polled):
         return f'iio: {", ".join(devices)} at {self.options.uri}'
 
     def start(self, now: float) -> None:
-        """Begin to tick; from now on nothing may take long."""
+        """Start the clock; from now on each call has the short timeout."""
         self._context.set_timeout(round(self.options.patience * 1e3))
         super().start(now)
 
@@ -103,18 +103,18 @@ class IioDevices(Polled):
         """Read one input after the other."""
         volts = np.empty(len(self._inputs))
         for i, opened in enumerate(self._inputs):
-            with _told(opened.name, 'read'):
+            with _library_errors(opened.name, 'read'):
                 volts[i] = opened.volts()
         return volts
 
     def close(self) -> None:
-        """Let go of the context."""
+        """Close the context."""
         self._inputs, self._outputs, self.writers = [], [], []
         self._context = None
 
     def _put(self, position: int, volts: Array) -> None:
         opened = self._outputs[position]
-        with _told(opened.name, 'write'):
+        with _library_errors(opened.name, 'write'):
             opened.set(float(volts[position]))
 
     def _find(self, name: str, channel: Channel, output: bool) -> _Opened:
@@ -132,7 +132,7 @@ class IioDevices(Polled):
                 raise SatvibError(
                     f'{where}: {kind} voltage{channel.index} has no attribute {attribute!r}'
                 )
-        with _told(where, 'read'):
+        with _library_errors(where, 'read'):
             offset = float(found.attrs['offset'].value) if 'offset' in found.attrs else 0.0
             scale = float(found.attrs['scale'].value) / 1e3
         if not (math.isfinite(scale) and scale > 0.0 and math.isfinite(offset)):
@@ -146,7 +146,7 @@ class IioDevices(Polled):
 
 
 @contextlib.contextmanager
-def _told(where: str, what: str) -> Iterator[None]:
+def _library_errors(where: str, what: str) -> Iterator[None]:
     """Turn the library's errors into one line."""
     try:
         yield

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Back end `loopback`: a simulated plant in the guardian's own process, for trying everything without hardware.
+"""Back end `loopback`: a simulated plant in the guardian's own process, for trials without hardware.
 
 With `pace: lockstep` sample k + 1 comes when sample k has been answered: no clock, the same bits every time. With
 `pace: realtime` it comes when its time has come, and the arrival of the voltages is measured.
@@ -58,7 +58,7 @@ class Loopback(Paced):
         self._arrival = 0.0
 
     def open(self) -> str:
-        """Say what is simulated."""
+        """Give the line about what is simulated."""
         return f'loopback: rig {self.bench.rig.name}, {"lockstep" if self.virtual else "realtime"}'
 
     def poll(self, now: float) -> list[Reading]:

@@ -3,9 +3,9 @@
 """Back end `nidaqmx`: NI boards, by the driver on this machine or by an NI gRPC Device Server (option `server`).
 
 A device is a name such as Dev1; input i is Dev1/ai<i>, output i Dev1/ao<i>. The host keeps the time and reads and
-writes single samples on demand. Every call to a server has a deadline, so that a network that hangs is an error and
-not a guardian that hangs. Tasks on a server have fixed names and are attached to when they exist: so a guardian that
-comes after one that was killed finds its outputs again and puts them to 0 V.
+writes single samples on demand. Every call to a server has a deadline: when the network hangs, the call fails and the
+guardian goes on. Tasks on a server have fixed names, and an existing task is used again. So the guardian that follows a
+killed one finds its outputs and puts them to 0 V.
 """
 
 import contextlib
@@ -103,7 +103,7 @@ class NiBoards(Polled):
         return f'NI-DAQmx: {", ".join(devices)}, {self.options.server or "local driver"}'
 
     def start(self, now: float) -> None:
-        """Begin to tick; from now on nothing may take long."""
+        """Start the clock; from now on each call has the short deadline."""
         self._deadline.seconds = self.options.patience
         super().start(now)
 
@@ -112,7 +112,7 @@ class NiBoards(Polled):
         volts = np.empty(len(self.channels.inputs))
         for made in self._input_tasks:
             values = np.empty(len(made.positions))
-            with self._told('read'):
+            with self._library_errors('read'):
                 made.transfer(values)
             volts[made.positions] = values
         return volts
@@ -120,20 +120,20 @@ class NiBoards(Polled):
     def close(self) -> None:
         """Clear the tasks."""
         for made in (*self._input_tasks, *self._output_tasks):
-            with contextlib.suppress(BackEndError), self._told('close'):
+            with contextlib.suppress(BackEndError), self._library_errors('close'):
                 made.task.close()
         self._input_tasks, self._output_tasks, self.writers = [], [], []
         if self._channel is not None:
             self._channel.close()
 
     def _put(self, made: _Task, volts: Array) -> None:
-        with self._told('write'):
+        with self._library_errors('write'):
             made.transfer(np.ascontiguousarray(volts[made.positions]))
 
     def _reader(self, device: str, group: list[tuple[int, Any]]) -> _Task:
         constants = self._library.constants
         task = self._task(f'satvib_{device}_ai')
-        with self._told(f'inputs of {device}'):
+        with self._library_errors(f'inputs of {device}'):
             if not task.channel_names:
                 reference = constants.TerminalConfiguration[self.options.reference.upper()]
                 for _, sensor in group:
@@ -143,12 +143,12 @@ class NiBoards(Polled):
                     )  # fmt: skip
             task.start()
         stream = self._library.stream_readers.AnalogMultiChannelReader(task.in_stream)
-        stream.verify_array_shape = False  # it would ask the device each time
+        stream.verify_array_shape = False  # the check would query the device each time
         return _Task([p for p, _ in group], task, lambda values: stream.read_one_sample(values))
 
     def _writer(self, device: str, group: list[tuple[int, Any]]) -> _Task:
         task = self._task(f'satvib_{device}_ao')
-        with self._told(f'outputs of {device}'):
+        with self._library_errors(f'outputs of {device}'):
             if not task.channel_names:
                 for _, coil in group:
                     task.ao_channels.add_ao_voltage_chan(
@@ -159,14 +159,14 @@ class NiBoards(Polled):
         return _Task([p for p, _ in group], task, lambda values: stream.write_one_sample(values))
 
     def _task(self, name: str) -> Any:
-        with self._told(name):
+        with self._library_errors(name):
             if self._channel is None:
                 return self._library.Task()
             options = self._library.GrpcSessionOptions(self._channel, name)
             return self._library.Task(name, grpc_options=options)
 
     @contextlib.contextmanager
-    def _told(self, where: str) -> Iterator[None]:
+    def _library_errors(self, where: str) -> Iterator[None]:
         """Turn the library's errors into one line."""
         try:
             yield

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Back end `replay`: a record instead of sensors; voltages go nowhere.
+"""Back end `replay`: a recording instead of sensors; voltages are ignored.
 
 The file is a CSV with a column for each input, or a bag (its folder or .mcap) with accelerations. Until a run begins,
 the first `rest` seconds are played over and over, for the bias; the run begins with the first row. The end of the
@@ -38,7 +38,7 @@ class Options(Schema):
 
 
 class Replay(Paced):
-    """A record as a device."""
+    """A recording as a device."""
 
     def __init__(
         self, channels: Channels, period: float, lifetime: float, options: Options
@@ -54,7 +54,7 @@ class Replay(Paced):
         self._began = -1
 
     def open(self) -> str:
-        """Say what is played."""
+        """Give the line about what is played."""
         return f'replay: {len(self.volts)} samples of {self.options.file}'
 
     def poll(self, now: float) -> list[Reading]:
@@ -72,7 +72,7 @@ class Replay(Paced):
         return [Reading(index, time, self.volts[row], late)]
 
     def write(self, volts: Array, sequence: int, enable: bool, now: float) -> None:
-        """Forget it; in lockstep the answer of the present sample lets the next one come."""
+        """Ignore the voltages; in lockstep the answer of the present sample lets the next one come."""
         del volts, enable, now
         self.answer(sequence)
 

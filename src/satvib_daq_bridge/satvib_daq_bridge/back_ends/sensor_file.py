@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Records of sensors: columns of a CSV file, or the accelerations of a bag."""
+"""Reads recorded sensors: columns of a CSV file, or the accelerations of a bag."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -40,7 +40,7 @@ def read_bag(path: Path, channels: Sequence[str]) -> Array:
         (samples, channels) m/s^2, from the first sequence to the last; NaN where a sample is missing.
 
     Raises:
-        SatvibError: not a bag, or a strut of which it knows nothing.
+        SatvibError: not a bag, or a strut that is not in it.
     """
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError

@@ -40,7 +40,7 @@ _MICRO = 1e6
 
 @dataclass(frozen=True, kw_only=True)
 class Options(Schema):
-    """Settings of the serial line."""
+    """Settings of the serial port."""
 
     baud: int = param(2_000_000, 'rate of a UART; a native USB port ignores it', minimum=9600)
     hold: str = param('linear', 'output between commands', choices=('zero', 'linear'))
@@ -48,7 +48,7 @@ class Options(Schema):
 
 
 class Serial(BackEnd):
-    """One microcontroller on one line."""
+    """One microcontroller on one port."""
 
     def __init__(
         self, channels: Channels, period: float, lifetime: float, options: Options
@@ -66,16 +66,16 @@ class Serial(BackEnd):
         self._sequence = -1
         self._device_time = 0
         self._offset = math.inf
-        self._last_heard = 0.0
+        self._last_sample_at = 0.0
         self._enabled = False
-        self._told: messages.Sample | None = None
+        self._reported: messages.Sample | None = None
         self.given_up = 0
         self.lost = 0
 
     def open(self) -> str:
-        """Open the line, put the device to 0 V and ask what it is."""
+        """Open the port, put the device to 0 V and read its identity."""
         self._port.open()
-        # a zero byte ends whatever a writer before us left unfinished
+        # a zero byte ends a frame that an earlier writer left unfinished
         self._port.send_all(b'\0' + messages.to_wire(messages.Zero()))
         asked = int.from_bytes(os.urandom(4), 'little')
         found = self._ask(
@@ -119,10 +119,10 @@ class Serial(BackEnd):
         self._sequence = -1
         self._offset = math.inf
         self._device_time = 0
-        self._last_heard = now
+        self._last_sample_at = now
 
     def fileno(self) -> int:
-        """The line."""
+        """The port."""
         return self._port.fileno()
 
     def poll(self, now: float) -> list[Reading]:
@@ -151,7 +151,7 @@ class Serial(BackEnd):
         self.given_up += not self._port.offer(messages.to_wire(command))
 
     def zero(self) -> None:
-        """Say it twice: ZERO, which needs no session, and a command without enable."""
+        """Send ZERO, which needs no session."""
         if not self._port.is_open:
             return
         self._enabled = False
@@ -161,7 +161,7 @@ class Serial(BackEnd):
             return
 
     def close(self) -> None:
-        """End the session and let go of the line."""
+        """End the session and close the port."""
         if not self._port.is_open:
             return
         try:
@@ -172,16 +172,16 @@ class Serial(BackEnd):
             self._port.close()
 
     def figures(self) -> dict[str, float]:
-        """Counts of the line."""
-        told = self._told
+        """Counts of the port and of the device."""
+        reported = self._reported
         return {
             'frames': float(self._reader.accepted),
             'frames rejected': float(self._reader.rejected),
             'samples lost': float(self.lost),
             'commands given up': float(self.given_up),
-            'rejected by device': float(told.rejected if told else 0),
-            'refused by device': float(told.refused if told else 0),
-            'dropped by device': float(told.dropped if told else 0),
+            'rejected by device': float(reported.rejected if reported else 0),
+            'refused by device': float(reported.refused if reported else 0),
+            'dropped by device': float(reported.dropped if reported else 0),
         }
 
     def _reading(self, message: messages.Sample, now: float) -> Reading | None:
@@ -197,9 +197,11 @@ class Serial(BackEnd):
         self._device_time += (message.time - self._device_time) & 0xFFFFFFFF
         taken = self._device_time / _MICRO
         # the fastest frame defines the offset; it may rise only as fast as clocks drift
-        self._offset = min(now - taken, self._offset + _DRIFT * max(now - self._last_heard, 0.0))
-        self._last_heard = now
-        self._told = message
+        self._offset = min(
+            now - taken, self._offset + _DRIFT * max(now - self._last_sample_at, 0.0)
+        )
+        self._last_sample_at = now
+        self._reported = message
         fault = ''
         if messages.Flag.EXPIRED in message.flags and self._enabled:
             fault = 'the device had no command within its lifetime and is at 0 V'

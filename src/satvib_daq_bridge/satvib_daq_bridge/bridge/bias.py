@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bias of the sensors at rest: learnt once at 0 V, checked, and then left alone.
+"""Bias of the sensors at rest: measured once at 0 V, checked, and then kept.
 
 The paper's accelerations are "compensated by initial bias error". A bias is refused when the sensor was not at rest
 (standard deviation above `noise_limit`) or when the offset from where it should rest is more than `zero_tolerance`:
-both mean a wrong channel, a wrong sensor or a rig that moves, and no number can mend those.
+both mean a wrong channel, a wrong sensor or a rig that moves, which no correction can remove.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ from satvib_common.signals.calibration import BiasCalibration
 
 from satvib_daq_bridge.channels import SensorChannel
 
-# s, the least time that a bias is learnt
+# s, the shortest measurement of a bias
 SHORTEST = 1.0
 
 
@@ -34,9 +34,9 @@ class SensorBias:
         SatvibError: a duration that is too short.
 
     Attributes:
-        value: (inputs) m/s^2; 0 until learnt.
-        deviation: (inputs) m/s^2, standard deviation while it was learnt; NaN until then.
-        learnt: whether the value counts.
+        value: (inputs) m/s^2; 0 until it is measured.
+        deviation: (inputs) m/s^2, standard deviation during the measurement; NaN until then.
+        learnt: whether the value is valid.
     """
 
     def __init__(
@@ -53,16 +53,16 @@ class SensorBias:
         self.learnt = False
 
     def restart(self) -> None:
-        """Begin to learn anew; what was learnt no longer counts."""
+        """Start the measurement again; the old bias is no longer valid."""
         self._running.reset()
         self._count = 0
         self.learnt = False
 
     def add(self, acceleration: Array) -> bool:
-        """Take one sample (inputs, m/s^2) at rest; gives whether the learning has ended with it.
+        """Take one sample (inputs, m/s^2) at rest; gives whether the measurement has ended with it.
 
         Raises:
-            SatvibError: a bias that is not plausible; learning begins anew.
+            SatvibError: a bias that is not plausible; the measurement starts again.
         """
         self._running.add(acceleration)
         self._count += 1
@@ -109,7 +109,7 @@ def _check(
 
 
 def save_bias(path: Path, values: Mapping[str, Mapping[str, float]]) -> None:
-    """Write what was learnt, for the record; a file that exists is replaced.
+    """Write the bias to a file; a file that exists is replaced.
 
     Raises:
         SatvibError: it cannot be written.

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bridge without ROS: samples up, voltages down, and every reason to stop.
 
-It holds no outputs: those are the guardian's. It turns volts into accelerations without bias, watches the sensors, the
+The outputs belong to the guardian. The bridge turns volts into accelerations without bias, watches the sensors, the
 device's silence and the deadlines, counts samples from the beginning of the run, and holds the state machine; every
 change of state goes to the guardian at once. Times are s of the monotonic clock, given by the caller.
 """
@@ -49,13 +49,13 @@ class Bridge:
     Args:
         channels, parameters: checked.
         send: takes messages for the guardian (`link`).
-        told: called with each change of state.
+        changed: called with each change of state.
         latched: the fault that a bridge before this one has latched.
 
     Attributes:
         running: samples are published and counted.
         published: the last sample that was.
-        over: the plan is done, or the record that is played.
+        over: why the run has ended: the plan is done, or the recording that is played; empty before.
     """
 
     def __init__(
@@ -63,11 +63,11 @@ class Bridge:
         channels: Channels,
         parameters: BridgeParameters,
         send: Callable[[bytes], object],
-        told: Callable[[Transition], None] = lambda _: None,
+        changed: Callable[[Transition], None] = lambda _: None,
         latched: Transition | None = None,
     ) -> None:
         self.channels, self.parameters = channels, parameters
-        self._send, self._told = send, told
+        self._send, self._on_change = send, changed
         self.struts = [strut.name for strut in channels.struts]
         self.sensors = Sensors(channels.inputs, parameters.sample_rate, parameters.railed_samples)
         self.bias = SensorBias(channels.inputs, parameters.sample_rate, parameters.calibration_time)
@@ -98,7 +98,7 @@ class Bridge:
         self.states.configure('the device is there; its sensors are read, its outputs are at 0 V')
 
     def released(self, reason: str) -> None:
-        """The guardian is let go."""
+        """The guardian is gone."""
         self._silent_since = math.inf
         self.states.unconfigure(reason)
 
@@ -133,7 +133,7 @@ class Bridge:
         self._try_to_begin()
 
     def calibrate(self) -> None:
-        """Learn the bias anew, in IDLE before a run.
+        """Measure the bias again, in IDLE before a run.
 
         Raises:
             SatvibError: not possible now.
@@ -156,19 +156,23 @@ class Bridge:
         self._send(link.pack(link.ToGuardian.RESET))
         self.states.reset()
 
-    def command(self, strut: int, sequence: int, voltage: float) -> None:
+    def command(self, strut_index: int, sequence: int, voltage: float) -> None:
         """Take a controller's voltage (V at the coil) for a published sample."""
         taken = sequence + self._base
-        if not self.running or taken < 0 or not self._answered[strut] < sequence <= self.published:
+        if (
+            not self.running
+            or taken < 0
+            or not self._answered[strut_index] < sequence <= self.published
+        ):
             self.refused += 1
             return
         if not math.isfinite(voltage):
             self.states.fault(
-                f'{self.struts[strut]}: the voltage of sample {sequence} is {voltage}'
+                f'{self.struts[strut_index]}: the voltage of sample {sequence} is {voltage}'
             )
             return
-        self._answered[strut] = sequence
-        message = link.pack_command(strut, taken, voltage)
+        self._answered[strut_index] = sequence
+        message = link.pack_command(strut_index, taken, voltage)
         if self.virtual:
             # the guardian acts on the last voltage of a sample: the state comes first
             self._try_to_activate()
@@ -178,7 +182,7 @@ class Bridge:
             self._try_to_activate()
 
     def take(self, message: bytes, now: float) -> Published | None:
-        """Take what the guardian says; gives a sample to publish, or None."""
+        """Take a message of the guardian; gives a sample to publish, or None."""
         kind = message[0]
         if kind == link.ToBridge.SAMPLE:
             return self._sample(link.read_sample(message), now)
@@ -215,8 +219,8 @@ class Bridge:
         learnt = {f'{name} bias': value['bias'] for name, value in biases.items()}
         return counts | self.timing.figures() | self.figures | learnt
 
-    def guardian_died(self, how: str) -> None:
-        """Hear that the process that owns the outputs is gone."""
+    def guardian_ended(self, how: str) -> None:
+        """Take note that the process that owns the outputs is gone."""
         self._silent_since = math.inf
         self.states.fault(f'the guardian {how}')
 
@@ -255,7 +259,7 @@ class Bridge:
             self.states.fault(f'{self._missed} deadlines missed in a row')
 
     def _rest(self, acceleration: Array) -> None:
-        """Before a run: learn the bias, and then wait for the beginning."""
+        """Before a run: measure the bias, then wait for the beginning."""
         if self.states.state is State.IDLE and not self.bias.learnt:
             try:
                 self.bias.add(acceleration)
@@ -293,7 +297,7 @@ class Bridge:
 
     def _changed(self, transition: Transition) -> None:
         self._changed_mode()
-        self._told(transition)
+        self._on_change(transition)
 
     def _changed_mode(self) -> None:
         self._send(link.pack_mode(self.states.state))

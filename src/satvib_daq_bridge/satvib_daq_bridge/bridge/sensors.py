@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""From volts to accelerations, and what a sensor must not do.
+"""From volts to accelerations, and the faults of a sensor.
 
     acceleration = polarity (volts - zero_voltage) / sensitivity
 
 A sensor is at fault when its reading is no number, when it stands at an end of the converter's range (railed: a broken
-wire, a dead supply), or when it repeats one value for `stuck_time` (a frozen converter; noise moves a live one). A
-device that stops sampling altogether is the caller's to notice: there is no reading then.
+wire, no supply), or when it repeats one value for `stuck_time` (a frozen converter; noise moves a live one). A
+device that stops sampling gives no reading; the caller watches that.
 """
 
 from collections.abc import Sequence
@@ -56,7 +56,7 @@ class Sensors:
         return self._scale * (volts - self._zero)
 
     def watch(self, volts: Array) -> str:
-        """Take one reading (inputs, V); gives what is wrong, empty when nothing is."""
+        """Take one reading (inputs, V); gives the fault, empty without one."""
         same = volts == self._last
         self._same = np.where(same, self._same + 1.0, 1.0)
         outside = (volts <= self._low) | (volts >= self._high)

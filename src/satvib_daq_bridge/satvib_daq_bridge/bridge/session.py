@@ -20,7 +20,7 @@ from satvib_daq_bridge.guardian.child_process import GuardianProcess
 from satvib_daq_bridge.parameters import BridgeParameters
 from satvib_daq_bridge.states import Transition
 
-# s; a guardian says something every half second, whatever its device does
+# s; a guardian sends its figures every half second, also when its device is silent
 _HANGS = 3.0
 
 
@@ -30,7 +30,7 @@ class Session:
     Args:
         parameters: checked.
         report: called from a thread of its own when there is something to serve.
-        told: called with each change of state.
+        changed: called with each change of state.
         latched: the fault that a session before this one has latched.
 
     Raises:
@@ -38,14 +38,14 @@ class Session:
         RunError: the guardian does not start.
 
     Attributes:
-        notes: lines for the log; whoever tells them takes them out.
+        notes: lines for the log; the reader removes them.
     """
 
     def __init__(
         self,
         parameters: BridgeParameters,
         report: Callable[[], None],
-        told: Callable[[Transition], None],
+        changed: Callable[[Transition], None],
         latched: Transition | None = None,
     ) -> None:
         self.parameters, self._report = parameters, report
@@ -63,28 +63,28 @@ class Session:
             'priority': parameters.guardian_priority,
         }
         self.guardian: GuardianProcess | None = None
-        self.bridge = Bridge(channels, parameters, self._tell, told, latched)
+        self.bridge = Bridge(channels, parameters, self._send, changed, latched)
         self._learnt = False
         virtual = self._start()
         self.bridge.configured(virtual, time.monotonic())
 
     def serve(self) -> list[Published]:
-        """Take all that the guardian has said, and watch over it; gives what is to be published."""
+        """Read all messages of the guardian, and check that it runs; gives the samples to publish."""
         found = []
         bridge = self.bridge
         if self.guardian is not None:
             while message := self.guardian.link.receive():
-                self._heard = time.monotonic()
-                published = bridge.take(message, self._heard)
+                self._received_at = time.monotonic()
+                published = bridge.take(message, self._received_at)
                 if published is not None:
                     found.append(published)
             self._thread.answer()
             if self.guardian.link.closed:
                 if not bridge.over:
-                    bridge.guardian_died(self.guardian.how())
-                self._let_go()
-            elif time.monotonic() - self._heard > _HANGS:
-                bridge.guardian_died(f'says nothing for {_HANGS:g} s and is replaced')
+                    bridge.guardian_ended(self.guardian.how())
+                self._stop_guardian()
+            elif time.monotonic() - self._received_at > _HANGS:
+                bridge.guardian_ended(f'says nothing for {_HANGS:g} s and is replaced')
                 self._thread.stop()
                 self.guardian.zero_outputs()
                 self.guardian = None
@@ -96,7 +96,7 @@ class Session:
         return found
 
     def reset(self) -> None:
-        """FAULT, ESTOP -> IDLE; a guardian that died is started again first.
+        """FAULT, ESTOP -> IDLE; a guardian that ended is started again first.
 
         Raises:
             SatvibError: nothing to reset, or the devices still are not right.
@@ -109,14 +109,14 @@ class Session:
     def close(self, reason: str) -> None:
         """End at 0 V."""
         self.bridge.states.stop(reason)
-        self._let_go()
+        self._stop_guardian()
         self.bridge.released(reason)
 
     def _start(self) -> bool:
         self.guardian = GuardianProcess(self._setup)
         found = self.guardian.found
         self.notes += [found['found'], *(f'guardian: {text}' for text in found['refused'])]
-        self._heard = time.monotonic()
+        self._received_at = time.monotonic()
         self._thread = ReadableThread(self.guardian.link.fileno(), self._report)
         self._thread.start()
         return bool(found['virtual'])
@@ -126,12 +126,12 @@ class Session:
         if self.parameters.calibration_file:
             save_bias(Path(self.parameters.calibration_file), self.bridge.bias.to_mapping())
 
-    def _let_go(self) -> None:
+    def _stop_guardian(self) -> None:
         if self.guardian is not None:
             self._thread.stop()
             self.guardian.stop()
             self.guardian = None
 
-    def _tell(self, message: bytes) -> None:
+    def _send(self, message: bytes) -> None:
         if self.guardian is not None:
             self.guardian.link.send(message)

@@ -37,7 +37,7 @@ class GuardianProcess:
         self.found: Mapping[str, Any] = self._wait_until_ready()
 
     @property
-    def died(self) -> bool:
+    def ended(self) -> bool:
         """Whether it ended without a request."""
         return self.link.closed
 

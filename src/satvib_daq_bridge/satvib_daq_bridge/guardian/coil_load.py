@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The I^2 t watch: how warm the coils are, by the current that their voltage would drive.
+"""The I^2 t watch: the thermal load of the coils, from the current that their voltage drives.
 
     L i' = V - R i          (voltage drive; back-EMF is not known here and left out)
     i    = g V              (an amplifier that drives current, g its transconductance)
     tau load' = (i / i_c)^2 - load,    i_c = continuous force / force constant
 
-`load` is 1 in the steady state at the continuous rating; above 1 the coil gets warmer than its maker allows. A current
+`load` is 1 in the steady state at the continuous rating; above 1 the coil gets warmer than its rating. A current
 i that stands from rest reaches it after tau ln(1 / (1 - (i_c / i)^2)). The voltage stands during a step; the heat of a
 step is that of the larger of its steady and its last current.
 """
@@ -43,7 +43,7 @@ class CoilLoad:
         self.load = np.zeros(len(coils))
 
     def advance(self, voltage: Array, time: float) -> Array:
-        """Let a voltage (coils, V) stand for a time (s); gives the load (coils) after it."""
+        """Apply a voltage (coils, V) for a time (s); gives the load (coils) after it."""
         steady = self._per_volt * voltage
         with np.errstate(divide='ignore', over='ignore'):
             fade = np.exp(-np.where(self._lag > 0.0, time / self._lag, np.inf))

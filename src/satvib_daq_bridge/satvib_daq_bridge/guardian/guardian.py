@@ -75,7 +75,7 @@ class Guardian:
         wait = min(self.back_end.due(), self._stale_at()) - now
         ready, _, _ = select.select(wanted, [], [], min(max(wait, 0.0), 0.25))
         # commands first: a voltage that is there already is not late
-        self.hear()
+        self.receive()
         try:
             self._poll()
             if self.state is State.ACTIVE and self.clock() >= self._stale_at():
@@ -93,8 +93,8 @@ class Guardian:
             self._tell_figures()
         return [fd for fd in ready if fd in others]
 
-    def hear(self) -> None:
-        """Take what the bridge says."""
+    def receive(self) -> None:
+        """Read the messages of the bridge."""
         while message := self.bridge.receive():
             self._take(message)
         if self.bridge.closed:
@@ -184,7 +184,7 @@ class Guardian:
         return oldest + self.guard.max_age + 1e-6
 
     def _apply(self) -> None:
-        """Let the voltages out that are there."""
+        """Write the voltages that have arrived."""
         now = self.clock()
         elapsed = self.guard.period if self.back_end.virtual else now - self._applied_at
         self._applied_at = now
@@ -205,7 +205,7 @@ class Guardian:
         self.back_end.write(converter, answers, enable, now)
 
     def _fault(self, reason: str) -> None:
-        """Latch 0 V and say why."""
+        """Latch 0 V and report the reason."""
         self.guard.zero(reason)
         self.back_end.zero()
         self.bridge.send(link.pack_text(link.ToBridge.FAULT, reason))

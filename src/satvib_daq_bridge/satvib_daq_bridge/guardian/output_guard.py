@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The output guard: the one path from a demand to the terminals, whatever the back end.
+"""The output guard: the one path from a demand to the terminals, for every back end.
 
 In this order: 0 V in every state but ACTIVE; a demand that is not finite, or older than `max_age`, is a fault; slew
 limit and clamp at the coil (`VoltageGuard`); I^2 t on the estimated current; the amplifier's gain; clamp and quantize
@@ -88,7 +88,7 @@ class OutputGuard:
     def apply(
         self, demand: Array, age: Array, state: State, elapsed: float | None = None
     ) -> Output:
-        """Let demands through.
+        """Limit demands and give what leaves.
 
         Args:
             demand: (outputs) V at the coils.

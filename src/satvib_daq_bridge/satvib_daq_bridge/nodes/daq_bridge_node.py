@@ -67,14 +67,14 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
     def deactivate(self) -> None:
         """Leave the outputs at 0 V."""
         self.bridge.states.stop('deactivated')
-        self._tell_transitions()
+        self._publish_transitions()
 
     def cleanup(self) -> None:
-        """Let the guardian go, at 0 V; a latched fault is kept in mind."""
+        """End the guardian, at 0 V; a latched fault is kept."""
         if self.session is not None:
             self.session.close('cleaned up')
             self.latched = self.bridge.states.latched
-            self._tell_transitions()
+            self._publish_transitions()
         self.session = None
 
     def finish(self, line: str = '', code: int = 0) -> None:
@@ -84,7 +84,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         super().finish(line, code)
 
     def arm(self) -> str:
-        """IDLE -> ARMED, unless somebody else publishes voltages."""
+        """IDLE -> ARMED, unless another node publishes voltages."""
         self.bridge.arm(self._others())
         return 'armed: voltages leave as soon as every strut has answered'
 
@@ -105,7 +105,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         return 'IDLE; arm it again to go on'
 
     def calibrate(self) -> str:
-        """Learn the bias anew."""
+        """Measure the bias again."""
         self.bridge.calibrate()
         return f'the rig must be at rest for {self.parameters.calibration_time:g} s'
 
@@ -121,8 +121,8 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
             raise SatvibError(f'schedule: struts {given}, but the channels have {own}')
         self.bridge.schedule(plan_of(message).end)
 
-    def _on_voltage(self, strut: int, message: VcaVoltage) -> None:
-        self.bridge.command(strut, message.sequence, message.voltage)
+    def _on_voltage(self, strut_index: int, message: VcaVoltage) -> None:
+        self.bridge.command(strut_index, message.sequence, message.voltage)
 
     def _wake(self) -> None:
         self.wake.set_result(None)
@@ -136,7 +136,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
             self.finish(self.bridge.over)
         while self.session.notes:
             self.get_logger().info(self.session.notes.pop(0))
-        self._tell_transitions()
+        self._publish_transitions()
 
     def _publish(self, published: Published) -> None:
         stamp = round(published.time * 1e9) + self.epoch
@@ -147,7 +147,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
             out.publish(message)
 
     def _others(self) -> str:
-        """Who publishes voltages beside the controllers; empty when nobody does."""
+        """Give a text about other publishers of voltages; empty without one."""
         for name in self.bridge.struts:
             count = self.count_publishers(f'{name}/voltage')
             if count > 1:
@@ -158,7 +158,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         if self.bridge.states.state in {State.ARMED, State.ACTIVE} and (others := self._others()):
             self.bridge.states.fault(others)
 
-    def _tell_transitions(self) -> None:
+    def _publish_transitions(self) -> None:
         """Publish every change of state; those of a signal handler have waited for this."""
         while self.transitions:
             transition = self.transitions.pop(0)

@@ -10,7 +10,7 @@ _LONGEST = 254
 
 
 class CobsError(ValueError):
-    """Bytes that no encoder makes."""
+    """Bytes that are no valid encoding."""
 
 
 def encode(data: bytes) -> bytes:
@@ -23,7 +23,7 @@ def encode(data: bytes) -> bytes:
             out.append(_LONGEST + 1)
             out += rest[:_LONGEST]
             rest = rest[_LONGEST:]
-        # a full block carries no zero, so nothing is left to say when it ends the data
+        # a full block carries no zero, so no block follows when it ends the data
         if rest or i + 1 < len(blocks) or not block:
             out.append(len(rest) + 1)
             out += rest

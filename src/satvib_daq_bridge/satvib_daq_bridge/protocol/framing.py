@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The bytes on the wire: frames from payloads, and payloads from whatever arrives.
+"""The bytes on the wire: frames from payloads, and payloads from the bytes that arrive.
 
     wire = COBS(payload, CRC) 0,   CRC-16/CCITT of the payload: polynomial 0x1021, initial value 0xFFFF, no reflection,
                                    no final inversion; check value of '123456789' is 0x29B1; low byte first

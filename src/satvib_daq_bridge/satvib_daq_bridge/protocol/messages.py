@@ -58,7 +58,7 @@ class Flag(IntFlag):
 
 @dataclass(frozen=True)
 class Hello:
-    """Who is there?"""
+    """Ask a device for its identity."""
 
     kind: ClassVar[Kind] = Kind.HELLO
     session: int = 0
@@ -160,7 +160,7 @@ class Command:
 
 @dataclass(frozen=True)
 class Zero:
-    """0 V at once, whatever the session."""
+    """0 V at once, in any session."""
 
     kind: ClassVar[Kind] = Kind.ZERO
     session: int = 0
@@ -173,7 +173,7 @@ class Zero:
 
 @dataclass(frozen=True)
 class Stop:
-    """0 V at once and no more samples, whatever the session."""
+    """0 V at once and no more samples, in any session."""
 
     kind: ClassVar[Kind] = Kind.STOP
     session: int = 0

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A simulated rig on a bench: volts at the converters' terminals in, volts at the sensors out.
 
-It rests, without a disturbance, until `begin`: so a bias can be learnt first, as on a real bench. `begin` puts a fresh
-plant in its place whose sample 0 is the present one, so that a disturbance comes when its scenario says.
+It rests, without a disturbance, until `begin`, so that a bias can be measured first, as on a real bench. `begin` puts
+a new plant in its place. Sample 0 of that plant is the present one, so the disturbance has the times of its scenario.
 """
 
 from collections.abc import Mapping
@@ -62,7 +62,7 @@ class Bench:
         return sensor.zero_voltage + sensor.sensitivity * acceleration
 
     def advance(self, volts: Array, arrival: float | None = None) -> Truth:
-        """Let volts at the output terminals (struts) act and go to the next sample.
+        """Apply volts at the output terminals (struts) and go to the next sample.
 
         `arrival` is s after the present sample; None: the rig's own delay.
         """

@@ -5,6 +5,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from satvib_common.struts import strut_names
 from satvib_plant_sim.rig.rig import Rig
 
 # of the coil LA17-28-000A: estimated from its family
@@ -61,11 +62,11 @@ def channels_of(
         'back_end': back_end,
         'options': dict(options or {}),
         'struts': {
-            f'strut_{i + 1}': {
+            strut_name: {
                 'upper': {**accelerometer, 'index': i},
                 'lower': {**accelerometer, 'index': n + i},
                 'coil': {**winding, 'index': i},
             }
-            for i in range(n)
+            for i, strut_name in enumerate(strut_names(n))
         },
     }

@@ -62,7 +62,7 @@ class Device:
         self._latch = Flag(0)
         self._overrun = False
         self._command = 0
-        self._heard = 0
+        self._received_at = 0
         self._start: tuple[float, ...] = (0.0,) * identity.outputs
         self._target: tuple[float, ...] = self._start
         self._arrived = 0
@@ -100,14 +100,14 @@ class Device:
 
     def watch(self, now: int) -> None:
         """Put the outputs to 0 V when no command has come for too long; call it often."""
-        if self.enabled and self.configured and now - self._heard >= self.configured.lifetime:
+        if self.enabled and self.configured and now - self._received_at >= self.configured.lifetime:
             self._zero('no command within its lifetime', Flag.EXPIRED)
 
     def expires(self) -> int | None:
         """When `watch` would act (us); None when it need not."""
         if not (self.enabled and self.configured):
             return None
-        return self._heard + self.configured.lifetime
+        return self._received_at + self.configured.lifetime
 
     def outputs(self, now: int) -> tuple[float, ...]:
         """Voltages at the terminals at a time (uV)."""
@@ -168,7 +168,7 @@ class Device:
         self.watch(now)
         in_order = newer(command.number, self._command)
         if not command.enable:
-            # whatever its order: the way to 0 V is always open; only a latch wants the right key
+            # in any order: a command to 0 V is always taken; only the release of a latch must be in order
             if self.enabled:
                 self._zero('no longer enabled', Flag(0))
             if in_order:
@@ -187,7 +187,7 @@ class Device:
             float(min(max(value, -limit), limit))
             for value, limit in zip(command.outputs, setup.limits, strict=True)
         )
-        self.enabled, self._heard = True, now
+        self.enabled, self._received_at = True, now
 
     def _zero(self, why: str, latch: Flag) -> None:
         self.enabled = False

@@ -166,7 +166,7 @@ def test_counts_become_volts_and_volts_counts(devices, server):
     assert [server.out(i) for i in range(3)] == [0, 0, 0]
 
 
-def test_an_error_of_the_device_is_told(devices, server):
+def test_an_error_of_the_device_is_reported(devices, server):
     """Truth: errno 5 from the server is EIO."""
     devices.start(0.0)
     server.failing['adc', 'voltage3', 'raw'] = 5

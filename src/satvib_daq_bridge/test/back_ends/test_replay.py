@@ -68,13 +68,13 @@ def test_accelerations_become_volts(tmp_path):
         (','.join(NAMES) + '\n1,2,3,4,5,6\n', '1 samples are less than the 1 s of rest'),
     ],
 )
-def test_a_broken_csv_is_told(tmp_path, text, message):
+def test_a_broken_csv_is_reported(tmp_path, text, message):
     (tmp_path / 'a.csv').write_text(text)
     with pytest.raises(SatvibError, match=message):
         replay_of(tmp_path / 'a.csv')
 
 
-def test_what_is_not_there_is_told(tmp_path):
+def test_what_is_not_there_is_reported(tmp_path):
     with pytest.raises(SatvibError, match='cannot be read: '):
         replay_of(tmp_path / 'none.csv')
     with pytest.raises(SatvibError, match='cannot be read as a bag'):
@@ -114,7 +114,7 @@ def test_a_bag_is_played_sample_by_sample(tmp_path):
     np.testing.assert_allclose(play(back_end, 120), 2.5 + SENSITIVITY * values, rtol=1e-12)
 
 
-def test_a_bag_without_a_strut_is_told(tmp_path):
+def test_a_bag_without_a_strut_is_reported(tmp_path):
     write_bag(tmp_path / 'bag', np.zeros((100, 6)), struts=2)
     with pytest.raises(
         SatvibError, match=r'no acceleration of strut_3 \(struts: strut_1, strut_2\)'

@@ -241,7 +241,7 @@ def test_a_device_that_reads_nothing_never_blocks_the_host(bench):
     assert bench.device.reader.rejected == rejected
 
 
-def test_unplugging_is_told(bench):
+def test_unplugging_is_reported(bench):
     os.close(bench.master)
     os.close(bench.slave)
     bench.master = bench.slave = -1

@@ -183,7 +183,7 @@ def test_after_a_new_guardian_the_samples_count_on():
     for _ in range(5):
         stand.sample()
         stand.answer()
-    stand.bridge.guardian_died('was killed by SIGKILL')
+    stand.bridge.guardian_ended('was killed by SIGKILL')
     assert stand.reason == 'the guardian was killed by SIGKILL'
     stand.bridge.restarted(stand.now)
     stand.bridge.reset()

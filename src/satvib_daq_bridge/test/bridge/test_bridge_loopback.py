@@ -79,7 +79,7 @@ class Loop:
                 volts = law(published)
                 for i, v in enumerate(volts):
                     self.bridge.command(i, published.sequence, float(v))
-                self.guardian.hear()
+                self.guardian.receive()
                 coils.append(self.guardian.guard.coil.copy())
         return got, np.array(coils)
 

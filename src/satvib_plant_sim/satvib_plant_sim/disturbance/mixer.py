@@ -18,7 +18,7 @@ def _unity(_: float) -> float:
 
 
 class Mixer:
-    """Adds up each trial's parts, in the order of the parts, whatever the other trials have.
+    """Adds up each trial's parts, in the order of the parts; the other trials change nothing.
 
     Args:
         disturbances, seeds, transfers: one per trial.

@@ -120,7 +120,7 @@ class _Row:
             knots[self.block : 2 * self.block] = self._values(block + 1)
 
     def _values(self, block: int) -> Array:
-        """Knots of one block; always by the same operations, whatever was asked for before."""
+        """Knots of one block; always by the same operations, in any order of the blocks."""
         noise = np.concatenate(
             [
                 np.random.default_rng([*self.seed, b]).standard_normal(self.block)

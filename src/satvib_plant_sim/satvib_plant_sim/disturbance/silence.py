@@ -11,7 +11,7 @@ from satvib_plant_sim.disturbance.base import Disturbance
 
 @dataclass(frozen=True, kw_only=True)
 class Silence(Disturbance):
-    """Nothing."""
+    """No disturbance."""
 
     kind: str = param('none', 'kind', choices=('none',))
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Collects the voltages of one sample, one per strut, as lockstep asks."""
+"""Collects the voltages of one sample, one per strut, for lockstep."""
 
 import math
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from satvib_common.errors import RunError, SatvibError
 
 
 class Answers:
-    """The voltages of the sample that is out.
+    """The voltages of the present sample.
 
     Args:
         names: of the struts.
@@ -21,28 +21,28 @@ class Answers:
         self.voltage = np.zeros(len(self.names))
         self._answered = [-1] * len(self.names)
 
-    def take(self, strut: int, sequence: int, voltage: float, k: int) -> bool:
-        """Take a voltage while sample k is out; True when every strut has answered k.
+    def take(self, strut_index: int, sequence: int, voltage: float, k: int) -> bool:
+        """Take a voltage for the present sample k; True when every strut has answered k.
 
         Raises:
-            RunError: an answer to a sample that has not been asked, so somebody else's.
+            RunError: an answer to a sample that is not published yet, so from another run.
             SatvibError: a voltage that is not a number.
         """
-        name = self.names[strut]
+        name = self.names[strut_index]
         if sequence > k:
             raise RunError(
                 f'{name}: a voltage for sample {sequence} before that sample was published: a '
                 'controller of another run is alive; stop it, or use another ROS_DOMAIN_ID'
             )
-        if sequence < k or self._answered[strut] == k:
-            return False  # a controller that was started again tells its past
+        if sequence < k or self._answered[strut_index] == k:
+            return False  # a controller that was started again sends an old answer
         if not math.isfinite(voltage):
             raise SatvibError(
                 f'{name}: the voltage of sample {sequence} is {voltage}; the run ends with all '
                 'struts at 0 V; correct the node that publishes it'
             )
-        self._answered[strut] = k
-        self.voltage[strut] = voltage
+        self._answered[strut_index] = k
+        self.voltage[strut_index] = voltage
         return self._answered.count(k) == len(self.names)
 
     def missing(self, k: int) -> list[str]:

@@ -19,7 +19,7 @@ from satvib_plant_sim.rig.any_rig import AnyRig, load_any_rig
 
 @dataclass(frozen=True, kw_only=True)
 class PlantParameters(Schema):
-    """Which rig moves, what shakes it, and who keeps the time."""
+    """Rig, disturbance, failures, and how time passes."""
 
     rig: str = param('paper_3dof', 'name of a rig, or the path of its file', read_only=True)
     rig_overrides: tuple[str, ...] = param(
@@ -70,14 +70,14 @@ class PlantParameters(Schema):
         return make_disturbance(parse_yaml(self.disturbance, 'disturbance'))
 
     def make_failures(self) -> tuple[Failure, ...]:
-        """Give what goes wrong."""
+        """Build the failures."""
         data = parse_yaml(self.failures, 'failures') or []
         if not isinstance(data, list):
             raise SatvibError(f'failures: a list is expected, not {self.failures!r}')
         return tuple(Failure.from_mapping(d, f'failures[{i}]') for i, d in enumerate(data))
 
     def make_plant(self) -> AnyPlant | FailingPlant:
-        """Build the plant with what goes wrong in it."""
+        """Build the plant with its failures."""
         return make_failing_plant(
             self.load_rig(), self.make_disturbance(), self.seed, self.make_failures()
         )

@@ -12,7 +12,7 @@ from satvib_plant_sim.plant.plant import Sample, Truth
 
 
 class StrutMessages:
-    """What a strut tells.
+    """The messages of one strut.
 
     Args:
         index: of the strut.

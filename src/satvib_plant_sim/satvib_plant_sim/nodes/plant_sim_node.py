@@ -29,7 +29,9 @@ from satvib_plant_sim.nodes.plant_messages import StrutMessages
 from satvib_plant_sim.nodes.realtime_commands import Commands
 
 _CLOCK_PERIOD = 0.01  # s of wall time between two messages on /clock
-_HEAD_START = 0.2  # s from the schedule to sample 0 in real time, for the last readers to be found
+_HEAD_START = (
+    0.2  # s from the schedule to sample 0 in real time, for the discovery of the last readers
+)
 
 
 class PlantSimNode(SatvibNode[PlantParameters]):
@@ -64,7 +66,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.every(0.1, self._watch)
 
     def cleanup(self) -> None:
-        """Let go of the clock."""
+        """Remove the publisher of the clock."""
         self.destroy_publisher(self.clock_out)
 
     def activate(self) -> None:
@@ -147,7 +149,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.commands.take(i, voltage, now, since, late=sequence < k)
 
     def _advance(self, voltage: Array, arrival: Array | None) -> None:
-        """End the period of sample k; the next sample goes out first, for somebody waits for it."""
+        """End the period of sample k; the next sample goes out first, because the identifiers wait for it."""
         k = self.k
         truth = self.plant.advance(voltage, arrival)
         over = 0 < self.end_at <= k + 1
@@ -178,7 +180,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         return self.stamp_of_start + sample_stamp(k, self.plant.dt)
 
     def _watch(self) -> None:
-        """In lockstep nobody may keep the others waiting for ever."""
+        """In lockstep, end the run when a voltage does not come."""
         if not self.active or self.zero is not None or self.k < 0:
             return
         limit = self.parameters.lockstep_timeout

@@ -76,7 +76,7 @@ def solve_stops(start, free, compliance, stops, force):
 @njit
 def _solve_stop(start, rest, own, stops, i):
     """Find the force of strut i by bisection; `rest` (m) is where it ends without this force."""
-    # the solution lies between the end without this force and the end with the force that this end asks for
+    # the solution lies between the end without this force and the end with the force that belongs to this end
     low = rest
     high = rest + own * stop_force(start, rest, stops, i)
     if low > high:

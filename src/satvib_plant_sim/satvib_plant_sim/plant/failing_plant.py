@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""A plant in which things go wrong at given samples; else it is the plant that it wraps.
+"""A plant with failures at given samples; apart from them it behaves as the plant that it wraps.
 
     plant = make_failing_plant(rig, disturbance, seed, failures)     # or a list of each for a batch
 
-A trial has the bits of its single run, whatever goes wrong in the others.
+A trial has the bits of its single run; failures of other trials change nothing.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ COMMAND_TIMEOUT = 0.05  # s, that of the plant's node
 
 
 class FailingPlant:
-    """A plant with failures; see `Plant` for what it does else.
+    """A plant with failures, with the interface of `Plant`.
 
     Args:
         plant: the plant as it begins.
         failures: of each trial; one list for a plant of shape ().
-        timeout: s, how long the board holds the voltage of a controller that says nothing.
+        timeout: s, how long the board holds the voltage of a silent controller.
 
     Attributes:
-        dead: (*shape, struts) whose controller is killed.
+        dead: (*shape, struts) where the controller is killed.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class FailingPlant:
         return Sample(sample.sequence, np.where(blind, np.nan, sample.upper), sample.lower)
 
     def advance(self, voltage: ArrayLike, arrival: ArrayLike | None = None) -> Truth:
-        """Go on to the next sample; voltages of dead controllers are not looked at."""
+        """Go on to the next sample; voltages of killed controllers are ignored."""
         self._happen(self.plant.sequence)
         if self._dead.any():
             asked = np.asarray(voltage, dtype=float).reshape(self._dead.shape)
@@ -103,7 +103,7 @@ class FailingPlant:
         return self.plant.advance(voltage, arrival)
 
     def _happen(self, k: int) -> None:
-        """Let what is due at sample k go wrong, once."""
+        """Apply the failures of sample k, once."""
         if k not in self._events:
             return
         rigs: dict[int, AnyRig] = {}
@@ -132,7 +132,7 @@ def make_failing_plant(
     failures: Sequence[Failure] | Sequence[Sequence[Failure]],
     timeout: float = COMMAND_TIMEOUT,
 ) -> AnyPlant | FailingPlant:
-    """Give a plant, wrapped only when something goes wrong in it.
+    """Give a plant, wrapped only when it has failures.
 
     Args:
         rig, disturbance, seed: as for `make_plant`.

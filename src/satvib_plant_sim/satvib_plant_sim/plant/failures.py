@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What goes wrong, and when.
+"""Failures: what changes or fails in a run, and when.
 
     failures:
       - {kind: actuator_lost, strut: 1, time: 12.0}
@@ -10,9 +10,9 @@
       - {kind: controller_killed, strut: 1, time: 12.0}
 
 A failure takes effect at the sample nearest to its time, and stays. A lost actuator is a coil that is open: no force
-and no back-EMF. A lost sensor reads NaN at the upper plate. A killed controller says nothing any more: the board holds
+and no back-EMF. A lost sensor reads NaN at the upper plate. A killed controller sends nothing more: the board holds
 its last voltage for the command timeout, and then ramps it to 0 V over that same time (see `commands`). Without `strut`
-the controllers of all struts are killed, as a centralized one takes all with it.
+the controllers of all struts are killed, as a centralized controller serves all.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _MAY_CHANGE = (
 
 @dataclass(frozen=True, kw_only=True)
 class Failure(Schema):
-    """One thing that goes wrong."""
+    """One failure."""
 
     kind: str = param(description='what', choices=KINDS)
     time: float = param(description='when', unit='s', minimum=0.0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The plant: what the board reads and what a voltage does, for one rig or for thousands.
+"""The plant: what the board reads and what a voltage does, for one rig or for a batch.
 
 plant = Plant(load_rig('paper_3dof'), make_disturbance({...}), seed=1)
 sample = plant.sample()              # .sequence, .upper, .lower
@@ -130,7 +130,7 @@ class Plant:
             self._mixer = self._mix(self._first_rigs)
 
     def displace(self, stroke: ArrayLike) -> None:
-        """Hold the payload at rest with strokes (*shape, struts), m, from which the next `advance` lets it go."""
+        """Hold the payload at rest with strokes (*shape, struts), m; the next `advance` releases it."""
         trials, n = len(self.rigs), self.struts
         strokes = np.broadcast_to(np.asarray(stroke, dtype=float), (*self.shape, n))
         self._state[:] = 0.0

@@ -45,7 +45,7 @@ class IirStrut(Schema):
 
 @dataclass(frozen=True, kw_only=True)
 class IirAcquisition(Schema):
-    """What of an acquisition a sampled model leaves to say."""
+    """The acquisition of a sampled model: its rate alone."""
 
     sample_rate: float = param(description='of the models', unit='Hz', above=0.0, maximum=20e3)
 

@@ -90,7 +90,7 @@ class Coil(Schema):
 class Shaker(Schema):
     """What the lower plate stands on."""
 
-    rigid: bool = param(False, 'the lower plate follows the source whatever the struts do')
+    rigid: bool = param(False, 'the lower plate follows the source, without reaction of the struts')
     mass: float = param(description='armature and lower plate', unit='kg', above=0.0)
     stiffness: float = param(description='from the source to the plate', unit='N/m', above=0.0)
     damping: float = param(description='from the source to the plate', unit='N s/m', minimum=0.0)
@@ -223,7 +223,7 @@ def _identity(text: str) -> tuple[int, ...]:
     try:
         about = Path(text).stat()
     except OSError:
-        return ()  # the reader says what is wrong
+        return ()  # the reader reports the fault
     return about.st_dev, about.st_ino, about.st_mtime_ns, about.st_size
 
 

@@ -148,7 +148,7 @@ class Design(NamedTuple):
 
 @njit(forceinline=True)
 def named_design(step, push, chain, voltage, force, strut, inertia, point, shaker, stop):
-    """Name the rows of `DesignArrays`. What is read most is copied: a copy is dense, and the compiler knows it."""
+    """Name the rows of `DesignArrays`. What is read most is copied, because the compiler knows that a copy is dense."""
     rows = strut.copy()
     return Design(
         step=step.copy(),

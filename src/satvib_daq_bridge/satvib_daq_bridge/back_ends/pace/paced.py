@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What back ends without a device share: their samples come by the clock, or one for every answer.
+"""Back ends without a device: a sample comes by the clock, or after each answer.
 
 `pace: realtime`: sample k comes when its time has come. `pace: lockstep`: sample k + 1 comes when sample k has been
 answered; no clock, time is k periods.
@@ -14,7 +14,7 @@ PACES = ('realtime', 'lockstep')
 
 
 class Paced(BackEnd):
-    """A device that is made up.
+    """A back end without a device.
 
     Args:
         channels: all channels.
@@ -32,11 +32,11 @@ class Paced(BackEnd):
         self._run_begins = False
 
     def start(self, now: float) -> None:
-        """Begin to tick."""
+        """Start the clock."""
         self._ticker.start(now)
 
     def begin_run(self) -> None:
-        """Let the next sample be the first of a run."""
+        """Take note that the next sample is the first of a run."""
         self._run_begins = True
 
     def due(self) -> float:
@@ -46,7 +46,7 @@ class Paced(BackEnd):
         return self._ticker.due()
 
     def close(self) -> None:
-        """Do nothing: there is nothing to let go of."""
+        """Do nothing: nothing is open."""
 
     def next_sample(self, now: float) -> tuple[int, float, float] | None:
         """Give index, time (s) and lateness (s) of the sample that is due, None when none is."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What back ends share whose devices know no time: the host ticks, reads every input and writes every output."""
+"""Back ends whose devices have no clock: the host keeps the time, reads every input and writes every output."""
 
 import contextlib
 import time
@@ -19,7 +19,7 @@ class Polled(BackEnd):
     """Devices that are read and written by the host.
 
     Attributes:
-        writers: what takes the voltages of all outputs (outputs, V) and sets its own, made by `open`. Each raises
+        writers: functions made by `open`. Each takes the voltages of all outputs (outputs, V), sets its own, and raises
             `BackEndError` when its device fails.
     """
 
@@ -37,7 +37,7 @@ class Polled(BackEnd):
         """
 
     def start(self, now: float) -> None:
-        """Begin to tick."""
+        """Start the clock."""
         self._ticker.start(now)
 
     def due(self) -> float:

@@ -21,7 +21,7 @@ class Ticker:
         self._next = 0
 
     def start(self, now: float) -> None:
-        """Let tick 0 be one period from now."""
+        """Set tick 0 to one period from now."""
         self._start = now + self.period
         self._next = 0
 
