@@ -87,6 +87,7 @@ def read_table(
     if not text.strip():
         raise SatvibError(f'{path}: is empty; a header line with column names is expected')
     lines = text.split('\n')
+    cut = lines.pop() if lines[-1].strip() and len(lines) > 3 else ''
     del text
     asked = [*wanted, *([time] if time is not None else [])]
     by_name = [name for name in asked if not name.strip().isdecimal()]
@@ -97,6 +98,8 @@ def read_table(
     at = positions.pop() if time is not None else _time_position(layout, positions)
     reader = _Rows(path, lines, layout, [*positions, *([at] if at >= 0 else [])])
     columns = reader.read(at >= 0)
+    if cut:  # a number may have lost its exponent
+        layout.notes.append('the last line has no line end, so it may be cut, and is left out')
     if encoding not in {'utf-8', 'utf-8-sig', reading.encoding}:
         layout.notes.append(f'read as {encoding}')
     if layout.decimal == ',' and reading.decimal is None:
