@@ -9,11 +9,12 @@ from satvib_common.door import door
 if TYPE_CHECKING:
     from satvib_common.arrays import Array, Complex, Integers, Mask
     from satvib_common.errors import RunError, SatvibError
+    from satvib_common.files.yaml_file import load_yaml, parse_yaml
     from satvib_common.guard import Guarded, VoltageGuard
     from satvib_common.levels import decibel, rms, rms_with_mean
     from satvib_common.parameters import LoopParameters
     from satvib_common.phases import Phase, PhasePlan
-    from satvib_common.schema import Schema, load_yaml, param, parse_yaml
+    from satvib_common.schema import Schema, param
     from satvib_common.sequence import Arrival, SequenceTracker
     from satvib_common.settings_text import (
         change_settings,

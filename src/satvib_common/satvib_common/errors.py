@@ -12,3 +12,12 @@ class SatvibError(Exception):
 
 class RunError(Exception):
     """A run that started and then failed. Its text is one line. Commands exit with 1."""
+
+
+def printable(text: str, longest: int = 2000) -> str:
+    """Give a text as one line that a terminal may show: control characters as escapes, cut where it is too long."""
+    if len(text) > longest:
+        text = f'{text[: longest - 4]} ...'
+    if text.isprintable():
+        return text
+    return ''.join(c if c.isprintable() else c.encode('unicode_escape').decode() for c in text)

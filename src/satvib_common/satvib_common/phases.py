@@ -9,6 +9,8 @@ from enum import IntEnum
 
 from satvib_common.errors import SatvibError
 
+_MOST_SAMPLES = 2.0**53  # above, a float does not hold every whole number
+
 
 class Phase(IntEnum):
     """What a strut does; the numbers are those of satvib_msgs/Schedule."""
@@ -52,7 +54,14 @@ class PhasePlan:
     def from_seconds(
         cls, steps: Sequence[tuple[Phase, float]], duration: float, rate: float
     ) -> 'PhasePlan':
-        """Make a plan from (phase, start in s), a duration in s and a sample rate in Hz."""
+        """Make a plan from (phase, start in s), a duration in s and a sample rate in Hz.
+
+        Raises:
+            SatvibError: phases out of order, or more samples than can be counted.
+        """
+        latest = max((duration, *(start for _, start in steps)))
+        if not latest * rate < _MOST_SAMPLES:
+            raise SatvibError(f'duration: {latest:g} s at {rate:g} Hz are too many samples')
         return cls(
             tuple(phase for phase, _ in steps),
             tuple(round(start * rate) for _, start in steps),

@@ -13,20 +13,26 @@ Coil.from_mapping({'resistance': -1}, 'rig paper_3dof: coil')
 import dataclasses
 import difflib
 import math
-import re
+import reprlib
 import types
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, Self
 
-import yaml
-
-from satvib_common.errors import SatvibError
+from satvib_common.errors import SatvibError, printable
 
 _KEY = 'satvib'
+LARGEST_INTEGER = 2**63 - 1  # what a message, a table and an array of whole numbers hold
+_SHORT = reprlib.Repr()  # a few elements of what may be very large
+_SHORT.maxlevel = 3
+_SHORT.maxstring = 60
+
+
+def shown(value: Any) -> str:
+    """Give a value for a message, short however large it is."""
+    return _SHORT.repr(value)
 
 
 @dataclass(frozen=True)
@@ -47,7 +53,7 @@ class Constraint:
         """Why one value is refused, None when it is not."""
         unit = f' {self.unit}' if self.unit else ''
         if self.choices is not None and value not in self.choices:
-            return f'{value!r} is not one of {", ".join(map(str, self.choices))}'
+            return f'{shown(value)} is not one of {", ".join(map(str, self.choices))}'
         if isinstance(value, bool) or not isinstance(value, int | float):
             return None
         if self.finite and not math.isfinite(value):
@@ -125,13 +131,14 @@ class Schema:
         """
         prefix = f'{where}: ' if where else ''
         if not isinstance(mapping, Mapping):
-            raise SatvibError(f'{prefix}a mapping of keys is expected, not {_shown(mapping)}')
+            raise SatvibError(f'{prefix}a mapping of keys is expected, not {_typed(mapping)}')
         try:
             hints = _hints(cls)
             fields = {f.name: f for f in dataclasses.fields(cls)}
             for key in mapping:
                 if key not in fields:
-                    raise SatvibError(f'{key}: no such key{_suggestion(str(key), list(fields))}')
+                    name = printable(str(key), 60)
+                    raise SatvibError(f'{name}: no such key{_suggestion(name, list(fields))}')
             for name, field in fields.items():
                 given = (field.default, field.default_factory) != (dataclasses.MISSING,) * 2
                 if name not in mapping and not given:
@@ -149,8 +156,8 @@ class Schema:
         return dataclasses.replace(self, **changes)
 
 
-def _shown(value: Any) -> str:
-    return 'nothing' if value is None else f'{type(value).__name__} {value!r}'
+def _typed(value: Any) -> str:
+    return 'nothing' if value is None else f'{type(value).__name__} {shown(value)}'
 
 
 def _suggestion(key: str, known: list[str]) -> str:
@@ -196,13 +203,29 @@ def _coerced(value: Any, hint: Any, name: str) -> Any:
             inner = typing.get_args(option)[0]
             return tuple(_coerced(v, inner, f'{name}[{i}]') for i, v in enumerate(value))
         if origin is float and isinstance(value, int | float) and not isinstance(value, bool):
-            return float(value)
+            return _float(value, name)
         if origin is int and isinstance(value, bool):
             continue
+        if origin is int and isinstance(value, int) and abs(value) > LARGEST_INTEGER:
+            raise SatvibError(f'{name}: {shown(value)} is beyond 2^63 - 1')
         if isinstance(origin, type) and isinstance(value, origin):
-            return value
+            return _with_text_keys(value, name) if origin is dict else value
     wanted = ' or '.join(_type_name(o) for o in options)
-    raise SatvibError(f'{name}: {wanted} is expected, not {_shown(value)}')
+    raise SatvibError(f'{name}: {wanted} is expected, not {_typed(value)}')
+
+
+def _float(value: float, name: str) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        raise SatvibError(f'{name}: {shown(value)} is too large for a number') from None
+
+
+def _with_text_keys(value: Any, name: str) -> Any:
+    for key in value:
+        if not isinstance(key, str):
+            raise SatvibError(f'{name}: the key {shown(key)} is not text')
+    return value
 
 
 def _type_name(hint: Any) -> str:
@@ -226,54 +249,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {k: _plain(v) for k, v in value.items()}
     return value
-
-
-class _Loader(yaml.SafeLoader):
-    """Safe YAML that refuses a key given twice, reads 1e-3 as a number, and `off`, `on`, `yes`, `no` as text."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        seen = set()
-        for key_node, _ in node.value:
-            key = self.construct_object(key_node, deep=True)
-            if key in seen:
-                raise SatvibError(f'line {key_node.start_mark.line + 1}: {key} is given twice')
-            seen.add(key)
-        return super().construct_mapping(node, deep)
-
-
-_Loader.yaml_implicit_resolvers = {
-    first: [pair for pair in pairs if first in 'tTfF' or pair[0] != 'tag:yaml.org,2002:bool']
-    for first, pairs in yaml.SafeLoader.yaml_implicit_resolvers.items()
-}
-_Loader.add_implicit_resolver(
-    'tag:yaml.org,2002:float',
-    re.compile(r'^[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$'),
-    list('-+0123456789.'),
-)
-
-
-def parse_yaml(text: str, where: str) -> Any:
-    """Parse YAML text; `where` begins the message when it is broken."""
-    try:
-        return yaml.load(text, _Loader)  # noqa: S506 - derived from SafeLoader
-    except SatvibError as error:
-        raise SatvibError(f'{where}: {error}') from None
-    except yaml.YAMLError as error:
-        first = str(error).replace('\n', ' ')
-        raise SatvibError(f'{where}: not YAML: {first}') from None
-
-
-def load_yaml(path: Path) -> Any:
-    """Read and parse a YAML file.
-
-    Raises:
-        SatvibError: the file is missing, unreadable, empty or not YAML.
-    """
-    try:
-        text = path.read_text(encoding='utf-8')
-    except (OSError, UnicodeDecodeError) as error:
-        raise SatvibError(f'{path}: cannot be read: {error}') from None
-    data = parse_yaml(text, str(path))
-    if data is None:
-        raise SatvibError(f'{path}: is empty')
-    return data

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import parse_yaml
+from satvib_common.files.yaml_file import parse_yaml
 
 # keys of a rig become entries of this key of a scenario
 RIG_CHANGES = 'rig_overrides'
@@ -100,7 +100,10 @@ def change_setting(data: dict[str, Any], key: str, value: Any, where: str) -> No
     """Set one dotted key of a scenario's mapping; a key of its rig is kept in `rig_overrides`. Raises as `assign`."""
     head, _, rest = key.partition('.')
     if head in {'rig', RIG_CHANGES} and rest:
-        data[RIG_CHANGES] = {**(data.get(RIG_CHANGES) or {}), rest: value}
+        present = data.get(RIG_CHANGES) or {}
+        if not isinstance(present, Mapping):
+            raise SatvibError(f'{where}: {RIG_CHANGES} is not a mapping of keys')
+        data[RIG_CHANGES] = {**present, rest: value}
     else:
         assign(data, key, value, where, grow=True)
 

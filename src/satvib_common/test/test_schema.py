@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from satvib_common.errors import SatvibError
-from satvib_common.schema import Schema, load_yaml, param, parse_yaml
+from satvib_common.files.yaml_file import load_yaml, parse_yaml
+from satvib_common.schema import Schema, param
 
 
 @dataclass(frozen=True, kw_only=True)

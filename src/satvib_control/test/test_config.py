@@ -5,7 +5,7 @@
 from pathlib import Path
 
 import pytest
-from satvib_common.schema import load_yaml
+from satvib_common.files.yaml_file import load_yaml
 from satvib_control.laws.centralized.parameters import CentralizedParameters
 from satvib_control.parameters import ControllerParameters
 

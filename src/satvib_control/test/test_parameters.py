@@ -7,7 +7,8 @@ import typing
 from pathlib import Path
 
 import pytest
-from satvib_common.schema import constraint_of, load_yaml
+from satvib_common.files.yaml_file import load_yaml
+from satvib_common.schema import constraint_of
 from satvib_control.laws.centralized.parameters import CentralizedParameters
 from satvib_control.parameters import ControllerParameters
 

@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import Schema, load_yaml, param
+from satvib_common.files.yaml_file import load_yaml
+from satvib_common.schema import Schema, param
 
 BACK_ENDS = ('loopback', 'replay', 'serial', 'comedi', 'nidaqmx', 'iio')
 

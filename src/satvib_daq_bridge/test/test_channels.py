@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_common.schema import load_yaml
+from satvib_common.files.yaml_file import load_yaml
 from satvib_daq_bridge.channels import load_channels, parse_channels
 
 import satvib_daq_bridge

@@ -5,7 +5,7 @@
 from pathlib import Path
 
 import pytest
-from satvib_common.schema import load_yaml
+from satvib_common.files.yaml_file import load_yaml
 from satvib_ident.parameters import IdentifierParameters
 
 FILES = sorted((Path(__file__).resolve().parents[1] / 'config').glob('*.yaml'))

@@ -12,6 +12,8 @@ from typing import Any, Self
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
+from rich.text import Text
+from satvib_common.errors import printable
 from satvib_common.phases import Phase
 
 # a log line at least this often in simulated seconds where there is no terminal
@@ -19,10 +21,18 @@ _LOG_EVERY = 5.0
 _KINDS = ('measured_rms', 'true_rms', 'measured_tone', 'true_tone')
 
 
+class _Console(Console):
+    """Shows texts as they are: no markup, no emoji codes, control characters as escapes."""
+
+    def render_str(self, text: str, **style: Any) -> Text:
+        lines = '\n'.join(map(printable, text.split('\n')))
+        return super().render_str(lines, **{**style, 'markup': False, 'emoji': False})
+
+
 def make_console() -> Console:
     """Give the console on standard output, wide enough for the tables in a log."""
-    console = Console(highlight=False, markup=False)  # names may hold brackets
-    return console if console.is_terminal else Console(highlight=False, markup=False, width=110)
+    console = _Console(highlight=False)
+    return console if console.is_terminal else _Console(highlight=False, width=110)
 
 
 def decibels(value: float | None) -> str:
@@ -45,9 +55,9 @@ class ProgressView:
         self._console, self._end, self._title = console, end, title
         self._live = console.is_terminal
         self._progress = Progress(
-            TextColumn('[bold]{task.description}'),
+            TextColumn('{task.description}', style='bold', markup=False),
             BarColumn(bar_width=24),
-            TextColumn('{task.fields[status]}'),
+            TextColumn('{task.fields[status]}', markup=False),
             TimeElapsedColumn(),
             console=console,
             transient=True,

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from satvib_bringup.live.graph import Stage, graph_of
 from satvib_common.errors import SatvibError
-from satvib_common.schema import parse_yaml
+from satvib_common.files.yaml_file import parse_yaml
 from satvib_control.parameters import ControllerParameters
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_ident.parameters import IdentifierParameters

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from satvib_common.schema import load_yaml
+from satvib_common.files.yaml_file import load_yaml
 
 from satvib_daq_bridge.bridge.bias import save_bias
 from satvib_daq_bridge.bridge.bridge import Bridge, Published

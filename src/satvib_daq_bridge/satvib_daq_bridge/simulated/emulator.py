@@ -21,7 +21,7 @@ from pathlib import Path
 from types import FrameType
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import parse_yaml
+from satvib_common.files.yaml_file import parse_yaml
 from satvib_common.settings_text import parse_settings
 from satvib_plant_sim.rig.rig import load_rig
 

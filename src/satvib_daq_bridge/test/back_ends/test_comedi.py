@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_common.schema import load_yaml
+from satvib_common.files.yaml_file import load_yaml
 from satvib_daq_bridge.back_ends.base import BackEndError
 from satvib_daq_bridge.back_ends.factory import make_back_end
 from satvib_daq_bridge.channels import parse_channels

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_common.schema import load_yaml
+from satvib_common.files.yaml_file import load_yaml
 from satvib_daq_bridge.bridge.bias import SensorBias, save_bias
 from satvib_daq_bridge.bridge.sensors import Sensors
 

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader, AnyReaderError
 from satvib_common.arrays import Integers
 from satvib_common.errors import SatvibError
+from satvib_common.files.yaml_file import parse_yaml
 from satvib_common.phases import Phase, PhasePlan
-from satvib_common.schema import parse_yaml
 from satvib_plant_sim.rig.any_rig import AnyRig, rig_from_mapping
 
 from satvib_experiment.recording.recording import Group, Recording

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import yaml
 from satvib_common.errors import SatvibError
+from satvib_common.files.folder_name import check_folder_name
 
 from satvib_experiment.scenario.scenario import Scenario
 
@@ -22,12 +23,14 @@ def free_run_folder(name: str, wanted: Path | None = None, base: Path = RUNS) ->
         base: where numbered runs go.
 
     Raises:
-        SatvibError: the wanted folder is there already, or the place cannot be looked into.
+        SatvibError: the wanted folder is there already, the place cannot be looked into, or the name is none for
+            a folder.
     """
     if wanted is not None:
         if wanted.exists() or wanted.is_symlink():
             raise SatvibError(f'{wanted}: exists already, nothing is overwritten')
         return wanted
+    check_folder_name(name)
     try:
         numbers = [_number(path.name, name) for path in base.iterdir()] if base.exists() else []
     except OSError as error:
@@ -45,8 +48,9 @@ def make_run_folder(folder: Path) -> None:
         folder.mkdir(parents=True)
     except FileExistsError:
         raise SatvibError(f'{folder}: exists already, nothing is overwritten') from None
-    except OSError as error:
-        raise SatvibError(f'{folder}: the folder cannot be made: {error.strerror}') from None
+    except (OSError, ValueError) as error:  # ValueError: NUL in the path
+        reason = getattr(error, 'strerror', None) or error
+        raise SatvibError(f'{folder}: the folder cannot be made: {reason}') from None
 
 
 def _number(folder: str, name: str) -> int:

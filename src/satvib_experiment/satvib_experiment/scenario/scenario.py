@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from satvib_common.errors import SatvibError
+from satvib_common.files.folder_name import check_folder_name
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import Schema, param
 from satvib_plant_sim.plant.failures import Failure, check_failures
@@ -24,6 +25,7 @@ from satvib_plant_sim.rig.any_rig import AnyRig, load_any_rig, strut_count
 
 from satvib_experiment.scenario.centralized_scheme import centralized_parameters, take_gains
 from satvib_experiment.scenario.folder import scenario_path
+from satvib_experiment.scenario.memory import check_memory
 from satvib_experiment.scenario.settings_file import load_settings, resolve_path
 
 if TYPE_CHECKING:
@@ -112,8 +114,7 @@ class Scenario(Schema):
 
     def check(self) -> None:
         """Check the phases and what two keys would set twice."""
-        if not self.name or set(self.name) & set('/\\ '):
-            raise SatvibError(f'name: {self.name!r} cannot be part of a folder name')
+        check_folder_name(self.name)
         if not self.phases:
             raise SatvibError('phases: at least one is needed')
         for section in ('identifier', 'controller', 'centralized'):
@@ -217,7 +218,7 @@ def check_scenario(scenario: Scenario, where: str) -> None:
     try:
         rig = scenario.load_rig()
         rate = rig.acquisition.sample_rate
-        scenario.plan(rate)
+        check_memory(scenario.plan(rate).end, rig)
         scenario.make_disturbance()
         check_failures(scenario.failures, rig, scenario.duration)
         scenario.identifier_parameters(rate)

@@ -8,8 +8,11 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
-from satvib_common.schema import load_yaml
+from satvib_common.files.yaml_file import load_yaml
 from satvib_common.settings_text import change_settings
+
+# keys that begin so hold what the file uses elsewhere, by anchor and alias
+ASIDE = ('x_', 'x-')
 
 
 def resolve_path(name_or_path: str, folder: Path) -> str:
@@ -47,11 +50,14 @@ def settings_path(kind: str, name_or_path: str | Path, folder: Path) -> Path:
 def load_settings(path: Path, overrides: Sequence[str] = ()) -> dict[str, Any]:
     """Read a settings file and change it by 'key=value', with dots for nested keys.
 
+    A key that begins with x_ or x- is left out: what stands there is for anchors.
+
     Raises:
         SatvibError: it cannot be read, is no mapping, or a change does not fit.
     """
     data = load_yaml(path)
     if not isinstance(data, dict):
         raise SatvibError(f'{path}: a mapping of keys is expected')
+    data = {key: value for key, value in data.items() if not str(key).startswith(ASIDE)}
     change_settings(data, overrides)
     return data

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 from satvib_common.errors import SatvibError
-from satvib_common.schema import load_yaml
+from satvib_common.files.yaml_file import load_yaml
 
 from satvib_ident.models.iir_model import IirModel
 

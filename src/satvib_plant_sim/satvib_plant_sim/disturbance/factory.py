@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from satvib_common.errors import SatvibError
+from satvib_common.schema import shown
 
 from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.disturbance.combined import Sum
@@ -51,10 +52,12 @@ def make_disturbance(settings: Any, where: str = 'disturbance') -> Disturbance:
     if isinstance(settings, Disturbance):
         return settings
     if not isinstance(settings, Mapping):
-        raise SatvibError(f'{where}: a mapping with the key kind is expected, not {settings!r}')
+        raise SatvibError(
+            f'{where}: a mapping with the key kind is expected, not {shown(settings)}'
+        )
     kind = settings.get('kind')
-    if kind not in _KINDS:
-        what = 'kind: missing' if kind is None else f'kind: {kind!r} is not known'
+    if not isinstance(kind, str) or kind not in _KINDS:
+        what = 'kind: missing' if kind is None else f'kind: {shown(kind)} is not known'
         raise SatvibError(f'{where}: {what} (kinds: {", ".join(_KINDS)})')
     if kind == 'sum':
         settings = _with_terms(settings, where)

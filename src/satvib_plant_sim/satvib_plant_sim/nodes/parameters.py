@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import Schema, param, parse_yaml
+from satvib_common.files.yaml_file import parse_yaml
+from satvib_common.schema import Schema, param
 from satvib_common.settings_text import parse_settings
 
 from satvib_plant_sim.disturbance.base import Disturbance

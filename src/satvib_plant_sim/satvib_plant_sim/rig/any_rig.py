@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import load_yaml
+from satvib_common.files.yaml_file import load_yaml
 from satvib_common.settings_text import change_existing
 
 from satvib_plant_sim.rig.identified_rig import IirRig

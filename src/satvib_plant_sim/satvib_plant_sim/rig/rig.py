@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import Schema, load_yaml, param, parse_yaml
+from satvib_common.files.yaml_file import load_yaml, parse_yaml
+from satvib_common.schema import Schema, param
 from satvib_common.settings_text import change_existing
 from satvib_common.struts import strut_angles
 

@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from satvib_common.errors import SatvibError
+from satvib_common.files.folder_name import check_folder_name
 from satvib_common.schema import Schema, param
 from satvib_common.settings_text import is_key
 from satvib_experiment.scenario.settings_file import (
@@ -63,8 +64,7 @@ class Campaign(Schema):
 
     def check(self) -> None:
         """Check names, and every distribution."""
-        if not self.name or set(self.name) & set('/\\ '):
-            raise SatvibError(f'name: {self.name!r} cannot be part of a folder name')
+        check_folder_name(self.name)
         if not self.parameters:
             raise SatvibError('parameters: at least one is needed')
         for key in (*self.parameters, *self.set):

@@ -14,6 +14,7 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
+from satvib_common.schema import LARGEST_INTEGER
 from satvib_common.settings_text import RIG_CHANGES, change_setting, setting_text
 from satvib_experiment.scenario.scenario import Scenario, check_scenario, load_scenario
 
@@ -129,11 +130,20 @@ def plan_trials(campaign: Campaign) -> TrialPlan:
 
 
 def plan_from(campaign: Campaign, base: Scenario) -> TrialPlan:
-    """Draw every trial of a campaign over a scenario that is checked already."""
+    """Draw every trial of a campaign over a scenario that is checked already.
+
+    Raises:
+        SatvibError: seeds that cannot be held.
+    """
     values = draw(campaign)
     if 'seed' in values:
         seeds = [int(v) for v in values['seed']]
     elif campaign.own_seed:
+        if base.seed + campaign.trials - 1 > LARGEST_INTEGER:
+            raise SatvibError(
+                f'campaign {campaign.name}: seed: {base.seed} plus the number of the trial is beyond '
+                '2^63 - 1'
+            )
         seeds = [base.seed + i for i in range(campaign.trials)]
     else:
         seeds = [base.seed] * campaign.trials

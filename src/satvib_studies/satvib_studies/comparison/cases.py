@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 from satvib_common.errors import SatvibError
-from satvib_common.schema import Schema, load_yaml, param
+from satvib_common.files.yaml_file import load_yaml
+from satvib_common.schema import Schema, param
 from satvib_common.settings_text import change_settings
 from satvib_experiment.scenario.scenario import Scenario, check_scenario
 from satvib_plant_sim.plant.failures import Failure
@@ -66,7 +67,10 @@ class Comparison(Schema):
         self.case_list()
         for name, window in self.windows.items():
             if not (
-                isinstance(window, list | tuple) and len(window) == 2 and window[0] < window[1]
+                isinstance(window, list | tuple)
+                and len(window) == 2
+                and all(type(t) in {int, float} for t in window)
+                and window[0] < window[1]
             ):
                 raise SatvibError(f'windows.{name}: a start and a later end are expected')
 

@@ -20,8 +20,9 @@ import numpy as np
 import yaml
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
+from satvib_common.files.yaml_file import load_yaml, parse_yaml
 from satvib_common.levels import decibel
-from satvib_common.schema import Schema, load_yaml, param, parse_yaml
+from satvib_common.schema import Schema, param
 from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.disturbance.factory import make_disturbance
 from satvib_plant_sim.rig.rig import Rig

@@ -103,7 +103,7 @@ class _bar:  # noqa: N801 - used like a function
 
         self._console, self._title = console, title
         self._progress = Progress(
-            TextColumn('[bold]{task.description}'), BarColumn(bar_width=30), MofNCompleteColumn(),
+            TextColumn('{task.description}', style='bold', markup=False), BarColumn(bar_width=30), MofNCompleteColumn(),
             TextColumn('trials,'), TimeElapsedColumn(), TextColumn('gone,'),
             TimeRemainingColumn(), TextColumn('left'),
             console=console, transient=True, speed_estimate_period=600.0,
@@ -137,7 +137,7 @@ def _show(console: 'Console', summary: dict[str, Any], folder: Path) -> None:
     for name, values in summary['spread'].items():
         label, unit = SHOWN[name]
         shown = [number(v, 2, True) if unit == 'dB' else significant(v) for v in values]
-        table.add_row(f'{label} [{unit}]'.replace(' []', '').replace('[', '\\['), *shown)
+        table.add_row(f'{label} [{unit}]'.replace(' []', ''), *shown)
     console.print(table)
     judge = summary['campaign']['judge']
     for item in summary['sensitivity'][:5]:

@@ -54,7 +54,7 @@ def compare(
     make_run_folder(target)
     console = make_console()
     with Progress(
-        TextColumn('[bold]compare'), BarColumn(bar_width=24), TextColumn('{task.fields[status]}'),
+        TextColumn('[bold]compare'), BarColumn(bar_width=24), TextColumn('{task.fields[status]}', markup=False),
         TimeElapsedColumn(), console=console, transient=True, disable=not console.is_terminal,
     ) as bar:  # fmt: skip
         task = bar.add_task('compare', total=1 + len(loaded.schemes), status='')

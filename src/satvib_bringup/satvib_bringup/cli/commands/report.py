@@ -29,6 +29,7 @@ def report(
 
     from satvib_bringup.cli.console import make_console, show_result
 
+    source = source.resolve()
     folder = output or source.with_name(f'{source.stem}-report')
     refuse_existing(folder)
     written = write_report(load_recording(source), folder)

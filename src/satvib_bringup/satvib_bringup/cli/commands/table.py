@@ -38,6 +38,7 @@ def table(
     import json
     import shutil
 
+    from rich.markup import escape
     from rich.progress import track
     from satvib_common.errors import SatvibError
     from satvib_experiment.recording.run_folder import free_run_folder, make_run_folder
@@ -59,7 +60,7 @@ def table(
     rows = dict(
         track(
             run_sweep(cells, jobs),
-            description=f'table {loaded.name}',
+            description=escape(f'table {loaded.name}'),
             total=len(cells),
             console=console,
             transient=True,

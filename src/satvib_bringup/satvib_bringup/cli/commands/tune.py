@@ -61,7 +61,7 @@ def tune(
     console = make_console()
     budget = search.settings.swarm.budget
     with Progress(
-        TextColumn('[bold]tune'), BarColumn(bar_width=24), TextColumn('{task.fields[status]}'),
+        TextColumn('[bold]tune'), BarColumn(bar_width=24), TextColumn('{task.fields[status]}', markup=False),
         TimeRemainingColumn(), console=console, transient=True, disable=not console.is_terminal,
     ) as bar:  # fmt: skip
         task = bar.add_task('tune', total=budget, status='')

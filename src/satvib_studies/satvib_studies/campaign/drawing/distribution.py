@@ -21,7 +21,7 @@ from statistics import NormalDist
 from typing import Any
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import Schema, param
+from satvib_common.schema import LARGEST_INTEGER, Schema, param, shown
 
 KINDS = ('uniform', 'normal', 'lognormal', 'choice')
 _NEEDED = {
@@ -37,6 +37,14 @@ _ALLOWED = {
     'choice': ('values', 'weights'),
 }
 _STANDARD = NormalDist()
+EDGE = 2.0**-40  # points are drawn between this and 1 less this
+
+
+def _exponential(factor: float, exponent: float) -> float:
+    try:
+        return factor * math.exp(exponent)
+    except OverflowError:
+        return math.inf
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,6 +76,20 @@ class Distribution(Schema):
             raise SatvibError(f'weights: {len(self.weights)} for {len(self.values)} values')
         if self.kind in {'normal', 'lognormal'} and not self._share()[1] > self._share()[0]:
             raise SatvibError(f'low, high: the {self.kind} distribution has nothing between them')
+        self._check_range()
+
+    def _check_range(self) -> None:
+        """Refuse a distribution that gives numbers which cannot be held, and values that are no JSON."""
+        if self.kind == 'choice':
+            for value in self.values:
+                if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
+                    raise SatvibError(f'values: {shown(value)} is beyond 2^63 - 1')
+            return
+        for u in (EDGE, 1.0 - EDGE):
+            x = self._number(u)
+            if not math.isfinite(x) or (self.whole and abs(x) > LARGEST_INTEGER):
+                names = ', '.join(_NEEDED[self.kind])
+                raise SatvibError(f'{names}: the {self.kind} distribution reaches {x:g}')
 
     def _cumulative(self, x: float) -> float:
         """Probability below x, of the normal kinds."""
@@ -86,6 +108,11 @@ class Distribution(Schema):
         """Give the value at probability u in (0, 1); a number, or one of the values of a choice."""
         if self.kind == 'choice':
             return self._chosen(u)
+        x = self._number(u)
+        return round(x) if self.whole else x
+
+    def _number(self, u: float) -> float:
+        """Value at probability u before it is rounded; infinite where it is beyond a float."""
         if self.kind == 'uniform':
             x = (self.low or 0.0) + ((self.high or 0.0) - (self.low or 0.0)) * u
         else:
@@ -95,11 +122,10 @@ class Distribution(Schema):
             if self.kind == 'normal':
                 x = (self.mean or 0.0) + (self.deviation or 0.0) * z
             else:
-                x = (self.median or 0.0) * math.exp((self.spread or 0.0) * z)
+                x = _exponential((self.median or 0.0), (self.spread or 0.0) * z)
         # rounding must not carry a value out of its range
         x = x if self.low is None else max(x, self.low)
-        x = x if self.high is None else min(x, self.high)
-        return round(x) if self.whole else x
+        return x if self.high is None else min(x, self.high)
 
     def _chosen(self, u: float) -> Any:
         weights = self.weights or (1.0,) * len(self.values)

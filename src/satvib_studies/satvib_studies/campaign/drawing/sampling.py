@@ -16,11 +16,10 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array
 
+from satvib_studies.campaign.drawing.distribution import EDGE
 from satvib_studies.campaign.settings import Campaign
 
 STREAM = 3  # of a campaign's seed
-# a Sobol point may lie on the edge, where a normal distribution has no value
-_EDGE = 2.0**-40
 
 
 def unit_points(campaign: Campaign) -> Array:
@@ -38,7 +37,8 @@ def unit_points(campaign: Campaign) -> Array:
         with warnings.catch_warnings():
             warnings.simplefilter('ignore', UserWarning)
             points = qmc.LatinHypercube(dimensions, rng=rng).random(campaign.trials)
-    inside: Array = np.clip(points, _EDGE, 1.0 - _EDGE)
+    # a Sobol point may lie on the edge, where a normal distribution has no value
+    inside: Array = np.clip(points, EDGE, 1.0 - EDGE)
     return inside
 
 
