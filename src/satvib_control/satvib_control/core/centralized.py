@@ -15,7 +15,7 @@ from satvib_common.arrays import Array, Integers, Mask
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.core.controller import ControllerCore
-from satvib_control.core.divergence_watch import DivergenceWatch
+from satvib_control.core.vibration_watch import VibrationWatch
 from satvib_control.laws.centralized.parameters import CentralizedParameters
 from satvib_control.parameters import ControllerParameters
 
@@ -51,13 +51,13 @@ class CentralizedCore(ControllerCore):
         return _worst(super()._causes(valid, verdict))
 
 
-class _CommonWatch(DivergenceWatch):
-    """Takes the law off all struts when the vibration of one of them grows."""
+class _CommonWatch(VibrationWatch):
+    """Takes the law off all struts when one of them is loud; all come back together."""
 
-    def step(
-        self, y: Array, applied: Array, saturated: Mask, acting: bool
-    ) -> tuple[Array, Integers]:
-        scale, verdict = super().step(y, applied, saturated, acting)
+    in_turn = False
+
+    def step(self, y: Array, applied: Array, acting: bool, silent: bool) -> tuple[Array, Integers]:
+        scale, verdict = super().step(y, applied, acting, silent)
         least = np.broadcast_to(np.min(scale, axis=-1, keepdims=True), self.shape)
         return least, _worst(verdict)
 

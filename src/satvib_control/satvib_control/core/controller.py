@@ -27,10 +27,10 @@ from satvib_common.signals.calibration import BiasCalibration
 from satvib_common.signals.statistics import MovingRms
 from satvib_ident.models.iir_model import IirModel
 
-from satvib_control.core.divergence_watch import DivergenceWatch, WatchVerdict
 from satvib_control.core.faults import Faults
 from satvib_control.core.output import ControllerOutput
 from satvib_control.core.trusted_model import TrustedModel
+from satvib_control.core.vibration_watch import Verdict, VibrationWatch
 from satvib_control.laws.base import LawInput
 from satvib_control.laws.reasons import reason, reasons
 from satvib_control.laws.registry import make_law
@@ -38,8 +38,10 @@ from satvib_control.laws.strut_excitation import StrutSignals
 from satvib_control.model_analysis.transfer import broadcast_model, model_polynomials, stable
 from satvib_control.parameters import ControllerParameters
 
-LISTENING = reason('0 V: the vibration grew, listening whether the law is the cause')
-REDUCED = reason('the law had made the vibration grow and goes on with less voltage')
+# phases in which no strut is excited on purpose
+SILENT = frozenset({Phase.STANDBY, Phase.CALIBRATE})
+LISTENING = reason('0 V: louder than the open loop, listening whether the law is the cause')
+REDUCED = reason('the law made the strut louder than its open loop and goes on with less voltage')
 UNSTABLE = reason('the identified model is not stable: not taken')
 UNCAUSAL = reason('the identified model has no delay, so no law can use it: not taken')
 
@@ -95,7 +97,7 @@ class ControllerCore:
         self.guard = VoltageGuard(p.voltage_limit, p.slew_limit or np.inf, self.dt, shape)
         self.calibration_upper = BiasCalibration(shape)
         self.calibration_lower = BiasCalibration(shape)
-        self.watch = DivergenceWatch(p, self.dt, shape)
+        self.watch = VibrationWatch(p, self.dt, shape)
         self._faults = Faults(shape)
         self._rms = MovingRms(max(round(p.rms_window * p.sample_rate), 1), shape)
         self._missed = 0
@@ -190,10 +192,10 @@ class ControllerCore:
             self._hand_over_model()
         # in ADAPT the law shakes the strut on purpose
         scale, verdict = self.watch.step(
-            measured.upper, self.guard.voltage, self._saturated, phase == Phase.CONTROL
+            measured.upper, self.guard.voltage, phase == Phase.CONTROL, phase in SILENT
         )
         if verdict.any():
-            self.law.reset(verdict != WatchVerdict.NONE)
+            self.law.reset(verdict != Verdict.NONE)
         demand = self.law.step(self._law_input(k, measured), phase)
         wish = self._wish(demand, scale, k, plan)
         guarded, why = self._guard(wish, measured, verdict)
@@ -236,12 +238,11 @@ class ControllerCore:
         return _Measured(upper, lower, valid, whole)
 
     def _hand_over_model(self) -> None:
-        """Give law and watch the model that waits for them."""
+        """Give the law the model that waits for it."""
         if self._waiting is None:
             return
         model, use, covariance = self._waiting
         self.law.set_model(model, use, covariance)
-        self.watch.set_model(model, use)
         self._given.take(model, use)
         self._waiting = None
 

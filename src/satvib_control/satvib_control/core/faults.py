@@ -6,14 +6,14 @@ import numpy as np
 from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.guard import Guarded
 
-from satvib_control.core.divergence_watch import WatchVerdict
+from satvib_control.core.vibration_watch import Verdict
 from satvib_control.laws.reasons import reason
 
 NOT_FINITE = reason('fault: the law asked for a voltage that is not finite')
 LOST = reason('0 V: the upper acceleration is missing')
 LOST_LONG = reason('fault: the upper acceleration was missing for too long')
 RESTLESS = reason('fault: the upper sensor was not at rest in CALIBRATE')
-DIVERGED = reason('fault: the law made the vibration grow, three times in a row')
+DIVERGED = reason('fault: the law made the strut louder than its open loop, three times')
 STOPPED = reason('fault: stopped from outside')
 
 
@@ -53,7 +53,7 @@ class Faults:
         """Take a sample; give what stops the voltage for good, as codes (shape); 0 for nothing."""
         self._lost = np.where(valid, 0, self._lost + 1)
         cause = np.where(self._lost >= loss_limit, LOST_LONG, 0)
-        cause = np.where(verdict == WatchVerdict.DIVERGED, DIVERGED, cause)
+        cause = np.where(verdict == Verdict.FAILED, DIVERGED, cause)
         cause = np.where(self._stopped, STOPPED, cause)
         return np.where(self._reason != 0, self._reason, cause)
 

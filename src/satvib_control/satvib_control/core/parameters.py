@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of what surrounds a law: guard, sensors, divergence watch and the excitation of IDENTIFY."""
+"""Parameters of what surrounds a law: guard, sensors, vibration watch and the excitation of IDENTIFY."""
 
 from dataclasses import dataclass
 
@@ -44,6 +44,14 @@ class CoreParameters(LawParameters):
     )
     rms_window: float = param(
         1.0, 'window of the running RMS', unit='s', above=0.0, maximum=600.0, read_only=True
+    )
+    watch_loudness: float = param(
+        4.0,
+        'how much louder than its own open loop a strut may be before its voltage is taken off',
+        unit='dB',
+        minimum=1.0,
+        maximum=1000.0,
+        read_only=True,
     )
     watch_floor: float = param(
         0.1,

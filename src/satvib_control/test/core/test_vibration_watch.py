@@ -1,0 +1,147 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""No strut stays louder than its own open loop, whatever the model says. Truth: the open loop itself, which is d."""
+
+import numpy as np
+import pytest
+from satvib_common.phases import Phase, PhasePlan
+
+RATE = 200.0
+PLAN = PhasePlan(
+    (Phase.STANDBY, Phase.IDENTIFY, Phase.STANDBY, Phase.CONTROL), (0, 1, 2, 400), 10**6
+)
+BAND = slice(int(2.0 * RATE), None)
+OFF = 1000.0  # dB: nothing is ever loud
+WINDOW = int(0.5 * RATE)
+
+
+def watched(make_loop, settings, plant, identified, trusted=True, **changes):
+    p = settings(
+        **({'sample_rate': RATE, 'law': 'velocity_feedback', 'velocity_gain': 1e6} | changes)
+    )
+    return make_loop(p, plant, PLAN, identified=identified, trusted=trusted)
+
+
+def noise(seconds, level=0.3, seed=1):
+    return level * np.random.default_rng(seed).standard_normal(int(seconds * RATE))
+
+
+def loud_time(y, d):
+    """Longest time, s, in which y is more than 6 dB above d, in windows of half a second."""
+    count = len(y) // WINDOW
+    power = [(x[: count * WINDOW].reshape(count, WINDOW) ** 2).mean(axis=1) for x in (y, d)]
+    longest = now = 0
+    for loud in power[0] > 4.0 * power[1]:
+        now = now + 1 if loud else 0
+        longest = max(longest, now)
+    return longest * WINDOW / RATE
+
+
+@pytest.mark.parametrize('seed', range(1, 6))
+def test_a_law_of_the_wrong_sign_is_taken_off(make_isolator, make_loop, settings, seed):
+    """A plant whose coil is wired the other way. The watch alone can tell: the model explains all that happens.
+
+    Truth: without the watch the voltage runs from limit to limit. Promise: at most 5 s more than 6 dB above d; in
+    the end a share of the gain that is stable with this sign too, or 0 V.
+    """
+    model, plant = make_isolator(RATE), make_isolator(RATE, gain=-1.18)
+    d = noise(40, seed=seed)
+    blind = watched(make_loop, settings, plant, model, watch_loudness=OFF)
+    y_blind, u_blind = blind.run(len(d), d)
+    assert np.mean(np.abs(u_blind[BAND]) == 20.0) > 0.4
+    assert loud_time(y_blind, d) > 30.0
+    loop = watched(make_loop, settings, plant, model)
+    y, u = loop.run(len(d), d)
+    assert loud_time(y, d) <= 5.0
+    tail = slice(int(30 * RATE), None)
+    assert y[tail].std() < 2.0 * d[tail].std()
+    assert np.mean(np.abs(u[BAND]) == 20.0) < 0.1
+
+
+def test_the_third_strike_is_a_fault_until_a_reset(make_isolator, make_loop, settings):
+    """A gain twelve times too large, of which a quarter is unstable too. Truth: 0 V for good, and the reason."""
+    model = make_isolator(RATE, gain=0.1)
+    loop = watched(make_loop, settings, make_isolator(RATE, gain=1.2), model)
+    d = noise(30)
+    y, _ = loop.run(len(d), d)
+    assert loud_time(y, d) <= 5.0
+    _, out = loop.step(0.0)
+    assert out.fault
+    assert out.voltage == 0.0
+    assert out.reason_text() == (
+        'fault: the law made the strut louder than its open loop, three times'
+    )
+    loop.core.reset()
+    _, out = loop.step(0.0)
+    assert not out.fault
+
+
+def test_half_the_voltage_is_enough_where_that_is_stable(make_isolator, make_loop, settings):
+    """A plant that answers three times as much as its model. Truth: d; in the end the law damps, without a fault."""
+    model = make_isolator(RATE, wn=56.5, zeta=0.05, gain=0.4)
+    plant = make_isolator(RATE, wn=56.5, zeta=0.05, gain=1.2)
+    t = np.arange(int(60 * RATE)) / RATE
+    d = np.sin(2 * np.pi * 9.0 * t)
+    loop = watched(make_loop, settings, plant, model)
+    y, _ = loop.run(len(t), d)
+    tail = slice(int(50 * RATE), None)
+    assert loud_time(y, d) <= 5.0
+    assert y[tail].std() < 0.5 * d[tail].std()
+    assert not loop.step(0.0)[1].fault
+
+
+@pytest.mark.parametrize('growth', [2.0, 3.0, 10.0])
+def test_a_disturbance_that_grows_costs_one_pause(make_isolator, make_loop, settings, growth):
+    """A tone that grows at 5 s. Truth: the same run without the watch, which it equals in the last 10 s."""
+    model = make_isolator(RATE)
+    t = np.arange(int(30 * RATE)) / RATE
+    d = 0.1 * np.sin(2 * np.pi * 10.0 * t) * np.where(t < 5.0, 1.0, growth)
+    runs = [
+        watched(make_loop, settings, model, model, watch_loudness=level, velocity_gain=150.0).run(
+            len(t), d
+        )[1]
+        for level in (4.0, OFF)
+    ]
+    tail = slice(int(20 * RATE), None)
+    np.testing.assert_allclose(runs[0][tail], runs[1][tail], rtol=1e-9, atol=1e-9)
+    assert np.count_nonzero(runs[0][BAND] == 0.0) < 2.0 * RATE
+
+
+def test_a_pulse_does_not_take_the_law_off(make_isolator, make_loop, settings):
+    """A half-sine of 5 m/s^2 and 50 ms on a lightly damped strut. Truth: as without the watch, to the last bit."""
+    model = make_isolator(RATE, wn=56.5, zeta=0.05)
+    t = np.arange(int(12 * RATE)) / RATE
+    d = np.where((t > 6.0) & (t < 6.05), 5.0 * np.sin(np.pi * (t - 6.0) / 0.05), 0.0)
+    runs = [
+        watched(make_loop, settings, model, model, watch_loudness=level, velocity_gain=30.0).run(
+            len(t), d
+        )[1]
+        for level in (4.0, OFF)
+    ]
+    np.testing.assert_array_equal(runs[0], runs[1])
+    assert np.max(np.abs(runs[0][BAND])) > 0.1
+
+
+@pytest.mark.parametrize('seed', range(1, 4))
+def test_random_vibration_that_the_law_does_not_calm_is_left_alone(
+    make_isolator, make_loop, settings, seed
+):
+    """Noise of constant level under a law that changes little. Truth: no strike, the whole voltage after 60 s."""
+    model = make_isolator(RATE)
+    d = noise(60, seed=seed)
+    loop = watched(make_loop, settings, model, model, velocity_gain=20.0)
+    loop.run(len(d), d)
+    assert not np.any(loop.core.watch.reduced())
+
+
+def test_bits_do_not_depend_on_the_batch(make_isolator, make_loop, settings):
+    """Truth: each item alone, with the order that it has in the batch."""
+    model, plant = make_isolator(RATE), make_isolator(RATE, gain=-1.18)
+    d = noise(10)
+    p = settings(sample_rate=RATE, law='velocity_feedback', velocity_gain=1e6)
+    batch = make_loop(p, plant, PLAN, shape=(2, 3), identified=model)
+    _, together = batch.run(len(d), np.broadcast_to(d[:, None, None], (len(d), 2, 3)))
+    for strut in range(3):
+        single = make_loop(p.replace(strut=strut), plant, PLAN, identified=model)
+        _, alone = single.run(len(d), d)
+        np.testing.assert_array_equal(alone, together[:, 1, strut])
