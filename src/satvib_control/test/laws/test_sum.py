@@ -113,7 +113,7 @@ def test_what_the_guard_takes_is_taken_from_the_cancellers(make_isolator, make_l
         voltage_limit=1.0,
         excitation_amplitude=1.0,
         switch_on_time=0.0,
-        watch_ratio=1e9,
+        watch_loudness=1000.0,
     )
     t = np.arange(400) / RATE
     canceller, feedback = loop.core.law.parts[1], loop.core.law.parts[0]

@@ -23,7 +23,7 @@ NOW = PhasePlan((Phase.CONTROL,), (0,))
 
 def parameters(**changes):
     return CentralizedParameters(
-        **({'sample_rate': RATE, 'switch_on_time': 0.0, 'watch_ratio': 1e6} | changes)
+        **({'sample_rate': RATE, 'switch_on_time': 0.0, 'watch_loudness': 1000.0} | changes)
     )
 
 
@@ -62,7 +62,7 @@ def test_bits_do_not_depend_on_the_batch():
     y = np.random.default_rng(2).normal(size=(300, 5, 3)) * np.array([1, 5, 50, 1, 2])[:, None]
     y[100:107, 1, 2] = np.nan
     y[50:, 3, 0] = np.nan
-    p = parameters(gains_p=(60.0, 50.0, 40.0), gains_d=(0.5,) * 3, watch_ratio=3.0)
+    p = parameters(gains_p=(60.0, 50.0, 40.0), gains_d=(0.5,) * 3, watch_loudness=4.0)
     batch = answers(CentralizedCore(p, (5, 3)), y)
     for trial in range(5):
         single = answers(CentralizedCore(p, (3,)), y[:, trial])
@@ -90,10 +90,10 @@ def test_one_lost_sensor_takes_all_voltages():
 def test_a_law_that_diverges_is_taken_off_all_struts():
     """A wrong polarity on a plant y(k+1) = 0.5 u(k): loop gains 6, 3, 1.5 with the voltage
     halved twice, all above 1, so three times the cause; what one strut shows must act for all at once."""
-    p = parameters(gains_d=(12.0,) * 3, velocity_polarity=-1.0, watch_ratio=3.0, watch_time=0.1)
+    p = parameters(gains_d=(12.0,) * 3, velocity_polarity=-1.0, watch_loudness=4.0)
     core = CentralizedCore(p)
     y, off = np.array([1e-3, 0.0, 0.0]), []
-    for k in range(400):
+    for k in range(int(20.0 * RATE)):
         out = core.step(k, NOW, y, np.zeros(3))
         off.append(out.voltage == 0.0)
         y = 0.5 * out.voltage + 1e-3
