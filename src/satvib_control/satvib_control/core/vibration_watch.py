@@ -25,322 +25,22 @@ fell, of a strut that was not returning, is a strike too: struts that are stable
 `FORGIVE_TIME` without a pause takes one strike back.
 """
 
-from enum import IntEnum
-
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array, Integers, Mask
-from satvib_common.kernels.compile import kernel
 
 from satvib_control.core.parameters import CoreParameters
-
-LEVEL_TIME = 0.5  # s; two periods of the lowest tone that matters
-QUICK_TIME = 0.1  # s
-BASE_TIME = 1.5  # s
-MOST = 4.0  # a level of 10 dB counts four times
-PATIENCE = 1.0  # s
-PATIENCE_RETURNING = 0.3  # s
-FADE_TIME = 0.1  # s
-RING_TIME = 0.3  # s before the first block is compared
-BLOCK_TIME = 0.25  # s
-FALLING = 0.7  # of the block before
-LONGEST_PAUSE = 3.0  # s
-TURN = 2.0  # s
-ALLOWED_TIME = 5.0  # s; no strut is loud for longer, so what is still heard then is the disturbance
-RETURN_TIME = 0.3  # s
-STRIKES = 3
-FORGIVE_TIME = 60.0  # s
-FALL_TIME, RISE_TIME = 1.0, 30.0  # s; the usual level follows down quickly and up slowly
-SETTLE_TIME = 1.0  # s of ACTING before the usual level is learnt
-# 4 dB more than loud above the usual level under control: the base may be of another time
-UNUSUAL = 2.5
-PATIENCE_UNUSUAL = 1.5  # s; doubles with each pause that shows the law was not the cause
-EFFORT = 1e-8  # (0.01 % of the limit)^2: at 0 V the law is not the cause
-
-
-class State(IntEnum):
-    """What the watch does; see the module's table."""
-
-    LISTENING = 0
-    ACTING = 1
-    PAUSING = 2
-    WAITING = 3
-    RETURNING = 4
-
-
-class Verdict(IntEnum):
-    """What a sample brings."""
-
-    NONE = 0
-    STRIKE = 1
-    FAILED = 2
-
-
-class Slot(IntEnum):
-    """Memory of one strut; powers in (m/s^2)^2, times in s."""
-
-    STATE = 0
-    CLOCK = 1  # since the state began
-    LEVEL = 2  # power, LEVEL_TIME
-    QUICK = 3  # power, QUICK_TIME
-    BASE = 4  # power at 0 V
-    HEARD = 5  # how long the base has been listened to
-    EFFORT = 6  # power of the applied voltage as a share of its limit
-    LOUD = 7  # how long it has been loud
-    BEFORE = 8  # power when the pause began
-    BLOCK = 9  # energy of the present block
-    BLOCK_TIME = 10  # its length
-    LAST_BLOCK = 11  # power of the block before
-    FALLEN = 12  # blocks that were compared
-    QUIET = 13  # how long it has been quiet while waiting
-    SHARE = 14  # of the law's voltage
-    STRIKES = 15
-    PAUSES = 16  # in which the power fell, since the last peace
-    PEACE = 17  # s without a pause
-    SLOW = 18  # usual power under control
-    ACTED = 19  # s since the law came back
-    STRANGE = 20  # how long the level has been unusual
-    PATIENCE = 21  # for that
-
-
-class Setting(IntEnum):
-    """What the watch is told."""
-
-    DT = 0
-    FLOOR = 1  # m/s^2
-    ORDER = 2  # turns that this strut waits
-    RATIO = 3  # of powers, above which it is loud
-
-
-@njit
-def _measure(memory, settings, y, effort):
-    """Take a sample into the powers."""
-    dt = settings[Setting.DT]
-    power = y * y
-    memory[Slot.LEVEL] += (power - memory[Slot.LEVEL]) * min(dt / LEVEL_TIME, 1.0)
-    memory[Slot.QUICK] += (power - memory[Slot.QUICK]) * min(dt / QUICK_TIME, 1.0)
-    memory[Slot.EFFORT] += (effort * effort - memory[Slot.EFFORT]) * min(dt / LEVEL_TIME, 1.0)
-
-
-@njit
-def _loud(memory, settings):
-    """How many times the limit the level is; 0 where it is below, or decays."""
-    floor = settings[Setting.FLOOR]
-    limit = settings[Setting.RATIO] * max(memory[Slot.BASE], floor * floor)
-    if memory[Slot.LEVEL] <= limit or memory[Slot.QUICK] < max(limit, 0.5 * memory[Slot.LEVEL]):
-        return 0.0
-    return min(memory[Slot.LEVEL] / limit, MOST)
-
-
-@njit
-def _go(memory, state):
-    """Begin a state."""
-    memory[Slot.STATE] = state.value
-    memory[Slot.CLOCK] = 0.0
-    memory[Slot.LOUD] = 0.0
-    memory[Slot.QUIET] = 0.0
-
-
-@njit
-def _listen(memory, settings, y, silent):
-    """LISTENING: learn the base where nobody excites on purpose."""
-    dt = settings[Setting.DT]
-    if not silent:
-        memory[Slot.HEARD] = 0.0
-        return
-    memory[Slot.HEARD] += dt
-    forget = dt / min(memory[Slot.HEARD], BASE_TIME)
-    memory[Slot.BASE] += (y * y - memory[Slot.BASE]) * forget
-
-
-@njit
-def _is_loud_for(memory, settings, patience):
-    """Count how long it has been loud."""
-    dt = settings[Setting.DT]
-    loud = _loud(memory, settings)
-    if loud > 0.0:
-        memory[Slot.LOUD] += loud * dt
-    else:
-        memory[Slot.LOUD] = max(memory[Slot.LOUD] - dt, 0.0)
-    return memory[Slot.LOUD] > patience
-
-
-@njit
-def _pause(memory):
-    """Begin a pause."""
-    memory[Slot.BEFORE] = memory[Slot.LEVEL]
-    memory[Slot.BLOCK] = 0.0
-    memory[Slot.BLOCK_TIME] = 0.0
-    memory[Slot.LAST_BLOCK] = np.inf
-    memory[Slot.FALLEN] = 0.0
-    memory[Slot.PEACE] = 0.0
-    memory[Slot.ACTED] = 0.0
-    memory[Slot.STRANGE] = 0.0
-    _go(memory, State.PAUSING)
-
-
-@njit
-def _strike(memory):
-    """The law of this strut is the cause."""
-    memory[Slot.STRIKES] += 1.0
-    memory[Slot.SHARE] *= 0.5
-    memory[Slot.PAUSES] = 0.0
-    return Verdict.FAILED if memory[Slot.STRIKES] >= STRIKES else Verdict.STRIKE
-
-
-@njit
-def _act(memory, settings):
-    """ACTING: the law's voltage, until it has been loud for too long."""
-    memory[Slot.PEACE] += settings[Setting.DT]
-    if memory[Slot.PEACE] > FORGIVE_TIME:
-        memory[Slot.PEACE] = 0.0
-        memory[Slot.PAUSES] = 0.0
-        memory[Slot.STRIKES] = max(memory[Slot.STRIKES] - 1.0, 0.0)
-    loud = _is_loud_for(memory, settings, PATIENCE)
-    if (_is_unusual(memory, settings) or loud) and memory[Slot.EFFORT] > EFFORT:
-        _pause(memory)
-    return Verdict.NONE
-
-
-@njit
-def _is_unusual(memory, settings):
-    """Whether the power has been far above its usual one under control for long: then the base is measured anew."""
-    dt, floor = settings[Setting.DT], settings[Setting.FLOOR]
-    memory[Slot.ACTED] += dt
-    settled = memory[Slot.ACTED] - SETTLE_TIME
-    if settled <= 0.0:
-        return False
-    limit = UNUSUAL * settings[Setting.RATIO] * max(memory[Slot.SLOW], floor * floor)
-    usual = memory[Slot.LEVEL] < limit
-    if usual or memory[Slot.QUICK] < 0.5 * memory[Slot.LEVEL]:
-        memory[Slot.STRANGE] = max(memory[Slot.STRANGE] - dt, 0.0)
-    else:
-        memory[Slot.STRANGE] += dt
-    if settled <= dt:
-        memory[Slot.SLOW] = memory[Slot.LEVEL]
-    change = memory[Slot.LEVEL] - memory[Slot.SLOW]
-    memory[Slot.SLOW] += change * dt / (FALL_TIME if change < 0.0 else RISE_TIME)
-    return memory[Slot.STRANGE] > max(memory[Slot.PATIENCE], PATIENCE_UNUSUAL)
-
-
-@njit
-def _listen_in_pause(memory, settings, y):
-    """PAUSING: True once the power no longer falls; the base is then the power of the last block."""
-    dt = settings[Setting.DT]
-    memory[Slot.CLOCK] += dt
-    if memory[Slot.CLOCK] < FADE_TIME + RING_TIME:
-        return False
-    memory[Slot.BLOCK] += y * y * dt
-    memory[Slot.BLOCK_TIME] += dt
-    if memory[Slot.BLOCK_TIME] < BLOCK_TIME:
-        return False
-    power = memory[Slot.BLOCK] / memory[Slot.BLOCK_TIME]
-    falls = power < FALLING * memory[Slot.LAST_BLOCK]
-    memory[Slot.FALLEN] = 0.0 if falls else memory[Slot.FALLEN] + 1.0
-    memory[Slot.LAST_BLOCK] = power
-    memory[Slot.BLOCK] = 0.0
-    memory[Slot.BLOCK_TIME] = 0.0
-    if memory[Slot.FALLEN] < 1.0 and memory[Slot.CLOCK] < LONGEST_PAUSE:
-        return False
-    memory[Slot.LEVEL] = power
-    memory[Slot.QUICK] = power
-    return True
-
-
-@njit
-def _judge(memory, struck):
-    """At the end of a pause."""
-    heard = memory[Slot.LEVEL]
-    fell = memory[Slot.BEFORE] > 2.0 * heard
-    verdict = Verdict.NONE
-    if not fell:
-        memory[Slot.PATIENCE] = min(
-            2.0 * max(memory[Slot.PATIENCE], PATIENCE_UNUSUAL), FORGIVE_TIME
-        )
-        memory[Slot.BASE] = heard
-        _go(memory, State.RETURNING)
-        return verdict
-    memory[Slot.BASE] = min(memory[Slot.BASE], heard) if memory[Slot.BASE] > 0.0 else heard
-    if not struck:
-        memory[Slot.PAUSES] += 1.0
-        if memory[Slot.PAUSES] > 1.0:
-            verdict = _strike(memory)
-    _go(memory, State.WAITING)
-    return verdict
-
-
-@njit
-def _wait(memory, settings):
-    """WAITING: quiet until it is this strut's turn; the countdown begins anew when another one is loud."""
-    dt, floor = settings[Setting.DT], settings[Setting.FLOOR]
-    if memory[Slot.QUICK] > settings[Setting.RATIO] * max(memory[Slot.BASE], floor * floor):
-        memory[Slot.QUIET] = 0.0
-        memory[Slot.LOUD] += dt
-        if memory[Slot.LOUD] > ALLOWED_TIME:
-            memory[Slot.BASE] = memory[Slot.LEVEL]
-    else:
-        memory[Slot.LOUD] = 0.0
-        memory[Slot.QUIET] += dt
-    if memory[Slot.QUIET] >= TURN * settings[Setting.ORDER]:
-        _go(memory, State.RETURNING)
-
-
-@njit
-def _return(memory, settings):
-    """RETURNING: the voltage comes back; to be loud now is a strike."""
-    memory[Slot.CLOCK] += settings[Setting.DT]
-    if _is_loud_for(memory, settings, PATIENCE_RETURNING) and memory[Slot.EFFORT] > EFFORT:
-        verdict = _strike(memory)
-        _pause(memory)
-        memory[Slot.PAUSES] = -1.0  # this pause is of a strike already
-        return verdict
-    if memory[Slot.CLOCK] > TURN:
-        _go(memory, State.ACTING)
-    return Verdict.NONE
-
-
-@njit
-def _one(memory, settings, y, effort, acting, silent):
-    """One sample of one strut: the share of the law's voltage and the verdict."""
-    _measure(memory, settings, y, effort)
-    if not acting:
-        _listen(memory, settings, y, silent)
-        memory[Slot.STATE] = State.LISTENING.value
-        return memory[Slot.SHARE], Verdict.NONE
-    state = int(memory[Slot.STATE])
-    verdict = Verdict.NONE
-    if state == State.LISTENING:
-        _go(memory, State.ACTING)
-    elif state == State.ACTING:
-        verdict = _act(memory, settings)
-    elif state == State.PAUSING:
-        if _listen_in_pause(memory, settings, y):
-            struck = memory[Slot.PAUSES] < 0.0
-            if struck:
-                memory[Slot.PAUSES] = 0.0
-            verdict = _judge(memory, struck)
-    elif state == State.WAITING:
-        _wait(memory, settings)
-    else:
-        verdict = _return(memory, settings)
-    state = int(memory[Slot.STATE])
-    if state == State.PAUSING:
-        return memory[Slot.SHARE] * max(1.0 - memory[Slot.CLOCK] / FADE_TIME, 0.0), verdict
-    if state == State.WAITING:
-        return 0.0, verdict
-    if state == State.RETURNING:
-        return memory[Slot.SHARE] * min(memory[Slot.CLOCK] / RETURN_TIME, 1.0), verdict
-    return memory[Slot.SHARE], verdict
-
-
-@kernel(
-    'void(f8, f8, f8, f8, f8[:], f8[:], f8[:], f8[:])',
-    '(),(),(),(),(s),(m)->(),()',
-    writable=('memory',),
+from satvib_control.core.vibration_step import (
+    Verdict,
+    forgive,
+    fresh_memory,
+    is_back,
+    is_off,
+    is_reduced,
+    settings_of,
+    watch_step,
 )
-def _watch(y, effort, acting, silent, settings, memory, share, verdict):
-    share[0], code = _one(memory, settings, y, effort, acting > 0.0, silent > 0.0)
-    verdict[0] = code.value
+
+__all__ = ['Verdict', 'VibrationWatch']
 
 
 class VibrationWatch:
@@ -356,14 +56,12 @@ class VibrationWatch:
 
     def __init__(self, parameters: CoreParameters, dt: float, shape: tuple[int, ...] = ()) -> None:
         self.shape, self.limit = shape, parameters.voltage_limit
-        order = self.in_turn * (parameters.strut + np.arange(shape[-1] if shape else 1))
-        self._settings = np.zeros((*shape, len(Setting)))
-        self._settings[..., Setting.DT] = dt
-        self._settings[..., Setting.FLOOR] = parameters.watch_floor
-        self._settings[..., Setting.ORDER] = order if shape else order[0]
-        self._settings[..., Setting.RATIO] = 10.0 ** (0.1 * parameters.watch_loudness)
-        self._memory = np.zeros((*shape, len(Slot)))
-        self._memory[..., Slot.SHARE] = 1.0
+        order = np.zeros(shape)
+        if self.in_turn:
+            order = order + parameters.strut + (np.arange(shape[-1]) if shape else 0)
+        ratio = 10.0 ** (0.1 * parameters.watch_loudness)
+        self._settings = settings_of(dt, parameters.watch_floor, ratio, order)
+        self._memory = fresh_memory(shape)
         self.busy = False  # some law is taken off or has less than its own voltage
 
     def step(self, y: Array, applied: Array, acting: bool, silent: bool) -> tuple[Array, Integers]:
@@ -378,27 +76,20 @@ class VibrationWatch:
         Returns:
             (shape) share of the law's voltage to let through; (shape) the `Verdict`.
         """
-        share, verdict = _watch(
+        share, verdict = watch_step(
             y, applied / self.limit, float(acting), float(silent), self._settings, self._memory
         )
-        state = self._memory[..., Slot.STATE]
-        self.busy = bool((np.asarray(share) < 1.0).any() or (state >= State.PAUSING).any())
+        self.busy = not bool(is_back(self._memory).all())
         return np.asarray(share), np.asarray(verdict).astype(np.int64)
 
     def listening(self) -> Mask:
         """Where (shape) the law is taken off at the moment."""
-        state = self._memory[..., Slot.STATE]
-        return np.asarray((state == State.PAUSING) | (state == State.WAITING))
+        return is_off(self._memory)
 
     def reduced(self) -> Mask:
         """Where (shape) the law has less than its own voltage."""
-        return np.asarray(self._memory[..., Slot.SHARE] < 1.0)
+        return is_reduced(self._memory)
 
     def reset(self, mask: Mask | bool = True) -> None:
-        """Forget all charges where `mask` holds."""
-        pick = np.broadcast_to(np.asarray(mask), self.shape)
-        for slot, value in (
-            (Slot.STATE, State.LISTENING), (Slot.SHARE, 1.0), (Slot.STRIKES, 0.0), (Slot.PAUSES, 0.0),
-            (Slot.PEACE, 0.0), (Slot.LOUD, 0.0),
-        ):  # fmt: skip
-            self._memory[..., slot] = np.where(pick, value, self._memory[..., slot])
+        """Forget strikes and pauses where (shape) `mask` holds."""
+        forgive(self._memory, np.broadcast_to(np.asarray(mask), self.shape))

@@ -111,7 +111,7 @@ def run_changes(
     if any(change.kind not in DISTURBANCE_KINDS for change in changes):
         anew, _ = powers(law, True)
     first, last = round(CONTROL / WINDOW), round(SETTLED / WINDOW)
-    gain = 10.0 * np.log10(controlled / still)[first:]
+    gain = 10.0 * np.log10(controlled[first:] / still[first:])
     end = 10.0 * np.log10(controlled[-last:].mean(axis=0) / still[-last:].mean(axis=0))
     fresh = 10.0 * np.log10(anew[-last:].mean(axis=0) / still[-last:].mean(axis=0))
     loud_time = _longest(gain > LOUD).max(axis=-1) * WINDOW
