@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The `satvib` command: one file per subcommand in `commands`, their errors in one place.
 
-Exit codes: 0 all is well, 1 a run failed, 2 the input or the set-up is wrong, 130 interrupted.
+Exit codes: 0 all is well, 1 a run failed, 2 the input or the set-up is wrong, 3 a model
+that should not be used (`identify`), 70 a defect of satvib, 130 interrupted.
 """
 
 import sys
@@ -22,6 +23,7 @@ from satvib_bringup.cli.commands import (
     table,
     tune,
 )
+from satvib_bringup.cli.last_resort import EXIT_CODE, is_switched_off, last_resort, show
 
 app = typer.Typer(
     name='satvib',
@@ -50,14 +52,19 @@ def main() -> None:
     try:
         app(prog_name='satvib')
     except SatvibError as error:
-        print(f'satvib: {error}', file=sys.stderr)  # noqa: T201 - a message for the terminal
+        show(str(error))
         sys.exit(2)
     except RunError as error:
-        print(f'satvib: {error}', file=sys.stderr)  # noqa: T201
+        show(str(error))
         sys.exit(1)
     except KeyboardInterrupt:
-        print('satvib: interrupted', file=sys.stderr)  # noqa: T201
+        show('interrupted')
         sys.exit(130)
+    except Exception as error:
+        if is_switched_off():
+            raise
+        show(last_resort(error, sys.argv[1:]))
+        sys.exit(EXIT_CODE)
 
 
 if __name__ == '__main__':

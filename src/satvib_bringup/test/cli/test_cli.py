@@ -22,6 +22,7 @@ def satvib(monkeypatch, capsys, tmp_path):
     """Run the command in an empty folder; gives exit code, standard output and standard error."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv('COLUMNS', '110')
+    monkeypatch.setenv('SATVIB_TRACEBACK', '1')  # a defect is to show itself
 
     def call(*arguments):
         monkeypatch.setattr(sys, 'argv', ['satvib', *map(str, arguments)])

@@ -170,6 +170,8 @@ def _transient(
     if start is None or windows.controlled is None:
         return unknown, unknown
     first = start - int(recording.sequence[0])
+    if first < 0:  # the beginning of CONTROL was not recorded
+        return unknown, unknown
     level = running_level(recording)
     kind = 'true_rms' if recording.has('truth', 'upper') else 'measured_rms'
     limit = levels['controlled'][kind] * 10.0 ** (_SETTLED / 20.0)

@@ -32,13 +32,14 @@ def find_windows(recording: Recording, onset: float) -> Windows:
         onset: s, when the disturbance begins.
 
     Raises:
-        SatvibError: a window of the scenario lies outside of what was recorded.
+        SatvibError: a window lies outside of what was recorded.
     """
     settings = recording.scenario.analysis if recording.scenario else None
     given = {
         name: tuple(getattr(settings, name)) if settings else ()
         for name in ('uncontrolled', 'controlled')
     }
+    begin = float(recording.time[0])
     last = float(recording.time[-1]) + recording.sample_period
     for name, span in given.items():
         if span and span[0] >= last:
@@ -47,11 +48,17 @@ def find_windows(recording: Recording, onset: float) -> Windows:
             )
     uncontrolled = given['uncontrolled'] or _uncontrolled(recording, onset)
     controlled = given['controlled'] or _controlled(recording, onset)
-    return Windows(_cut(uncontrolled, last), _cut(controlled, last))
+    for name, window in (('uncontrolled', uncontrolled), ('controlled', controlled)):
+        if window and window[1] <= begin:
+            raise SatvibError(
+                f'{recording.source}: begins at {begin:.2f} s, after the {name} window at '
+                f'{window[0]:g} s'
+            )
+    return Windows(_cut(uncontrolled, begin, last), _cut(controlled, begin, last))
 
 
-def _cut(span: tuple[float, ...] | None, last: float) -> Span | None:
-    return (span[0], min(span[1], last)) if span else None
+def _cut(span: tuple[float, ...] | None, begin: float, last: float) -> Span | None:
+    return (max(span[0], begin), min(span[1], last)) if span else None
 
 
 def _uncontrolled(recording: Recording, onset: float) -> Span | None:

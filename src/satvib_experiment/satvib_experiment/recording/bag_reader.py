@@ -8,7 +8,6 @@ Any rosbag2 bag will do that holds a schedule and the struts' topics, made by sa
 """
 
 import dataclasses
-import struct
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -17,9 +16,9 @@ from typing import Any
 import numpy as np
 import yaml
 from numpy.typing import NDArray
-from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.highlevel import AnyReader
 from satvib_common.arrays import Integers
-from satvib_common.errors import SatvibError
+from satvib_common.errors import SatvibError, printable
 from satvib_common.files.yaml_file import parse_yaml
 from satvib_common.phases import Phase, PhasePlan
 from satvib_plant_sim.rig.any_rig import AnyRig, rig_from_mapping
@@ -30,8 +29,11 @@ from satvib_experiment.scenario.scenario import Scenario
 
 PACKAGE = 'satvib_msgs/msg'
 _SKIPPED = ('header', 'sequence')
-# what a damaged file makes the reader raise, besides its own errors
-_DAMAGE = (AnyReaderError, OSError, ValueError, TypeError, KeyError, EOFError, AssertionError)
+# bounds on what a number in a file may ask for; the rest of the bounds is the number of messages
+_MOST_PER_MESSAGE = 20  # samples from first to last; a recording that lost more of them is none
+_PERIODS = (1e-7, 1e3)  # s
+_LONGEST_TEXT = 256  # characters of a reason that are kept
+_SPARE = 1_000_000  # elements of an array that any file may ask for
 
 
 def custom_data(scenario: Scenario, rig: AnyRig, realtime: bool) -> dict[str, str]:
@@ -85,12 +87,14 @@ def read_recording(path: Path) -> Recording:
             return _collect(bag, reader, dict(custom))
     except FileNotFoundError as error:
         raise SatvibError(f'{bag}: incomplete: {error}') from None
-    except (*_DAMAGE, struct.error) as error:
+    except SatvibError:
+        raise
+    except Exception as error:  # a parser that meets damaged bytes raises anything  # noqa: BLE001
         raise SatvibError(f'{bag}: damaged or cut short: {_one_line(error)}') from None
 
 
 def _one_line(error: BaseException) -> str:
-    return ' '.join(str(error).split()) or type(error).__name__
+    return printable(' '.join(str(error).split()), 300) or type(error).__name__
 
 
 def _collect(bag: Path, reader: AnyReader, custom: dict[str, str]) -> Recording:
@@ -99,11 +103,14 @@ def _collect(bag: Path, reader: AnyReader, custom: dict[str, str]) -> Recording:
         raise SatvibError(f'{bag}: the topic of the schedule holds no message')
     schedule = schedules[-1][1]
     struts = tuple(schedule.struts)
+    period = _sample_period(bag, schedule)
+    if not struts or not all(isinstance(s, str) and s.isprintable() and s for s in struts):
+        raise SatvibError(f'{bag}: the schedule names no struts')
     found: dict[str, dict[str, list[Any]]] = {}
     for group, (_, kind) in TOPICS.items():
         by_strut: dict[str, list[Any]] = defaultdict(list)
         for topic, message in _messages(reader, kind):
-            by_strut[topic.strip('/').split('/')[-2]].append(message)
+            by_strut[_strut_of(bag, topic)].append(message)
         if by_strut:
             found[group] = by_strut
     measured = found.get('acceleration', {})
@@ -112,6 +119,11 @@ def _collect(bag: Path, reader: AnyReader, custom: dict[str, str]) -> Recording:
             raise SatvibError(f'{bag}: no acceleration of {strut}, which the schedule names')
     first = min(m.sequence for s in struts for m in measured[s])
     last = max(m.sequence for s in struts for m in measured[s])
+    count = max(len(measured[s]) for s in struts)
+    if last - first >= _MOST_PER_MESSAGE * count + 1000 or last >= 2**62:
+        raise SatvibError(
+            f'{bag}: damaged: samples {first} to {last} in {count} messages of a strut'
+        )
     sequence = np.arange(first, last + 1, dtype=np.int64)
     counts: Counter[str] = Counter()
     groups = {}
@@ -132,7 +144,7 @@ def _collect(bag: Path, reader: AnyReader, custom: dict[str, str]) -> Recording:
     scenario, rig = custom.get('satvib_scenario'), custom.get('satvib_rig')
     return Recording(
         struts=struts,
-        sample_period=float(schedule.sample_period),
+        sample_period=period,
         plan=PhasePlan(
             tuple(Phase(int(p)) for p in schedule.phases),
             tuple(int(k) for k in schedule.first_sequence),
@@ -148,6 +160,24 @@ def _collect(bag: Path, reader: AnyReader, custom: dict[str, str]) -> Recording:
         source=str(bag),
         counts=dict(counts),
     )
+
+
+def _sample_period(bag: Path, schedule: Any) -> float:
+    period = schedule.sample_period
+    if not isinstance(period, float) or not _PERIODS[0] <= period <= _PERIODS[1]:
+        raise SatvibError(
+            f'{bag}: sample period {period} s of the schedule is not from {_PERIODS[0]:g} to '
+            f'{_PERIODS[1]:g} s'
+        )
+    return period
+
+
+def _strut_of(bag: Path, topic: str) -> str:
+    """Name of the strut in a topic, which is its last part but one."""
+    parts = topic.strip('/').split('/')
+    if len(parts) < 2:
+        raise SatvibError(f'{bag}: topic {topic} has no name of a strut before it')
+    return parts[-2]
 
 
 def _late(reader: AnyReader) -> dict[str, int]:
@@ -219,10 +249,13 @@ def _array(values: list[list[Any]], rows: list[Integers], count: int) -> NDArray
     filled = [v for v in values if v]
     sample = filled[0][0]
     if isinstance(sample, str):
-        width = max(len(text) for column in filled for text in column)
+        width = min(max(len(text) for column in filled for text in column), _LONGEST_TEXT)
         result: NDArray[Any] = np.zeros((count, len(values)), dtype=f'U{max(width, 1)}')
     elif isinstance(sample, np.ndarray):
         width = max(len(item) for column in filled for item in column)
+        given = sum(len(item) for column in filled for item in column)
+        if count * len(values) * width > _SPARE + 2 * _MOST_PER_MESSAGE * given * len(values):
+            raise SatvibError(f'damaged: a list of {width} in messages with {given} in all')
         result = np.full((count, len(values), width), np.nan)
         for strut, column in enumerate(values):
             for row, item in zip(rows[strut], column, strict=True):
