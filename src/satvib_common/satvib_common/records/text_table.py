@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from itertools import islice
+from operator import itemgetter
 from pathlib import Path
 
 import numpy as np
@@ -229,23 +230,23 @@ class _Rows:
     def _column(
         self, block: list[list[str]], position: int, name: str, rows: int, timed: bool
     ) -> Array:
-        cells = [row[position] if position < len(row) else '' for row in block]
+        if min(map(len, block)) > position:
+            cells = list(map(itemgetter(position), block))
+        else:
+            cells = [row[position] if position < len(row) else '' for row in block]
         joined = '\n'.join(cells)
-        decimal = self._layout.decimal
-        plain = '_' not in joined and (decimal == '.' or '.' not in joined) and joined.isascii()
-        if plain:
+        comma = self._layout.decimal == ','
+        # float() reads more than a file should hold: 1_000, other scripts' digits, points among decimal commas
+        if '_' not in joined and not (comma and '.' in joined) and joined.isascii():
             try:
                 values = np.array(
-                    list(
-                        map(
-                            float,
-                            (joined.replace(',', '.') if decimal == ',' else joined).split('\n'),
-                        )
-                    )
+                    [float(c.replace(',', '.')) for c in cells]
+                    if comma
+                    else list(map(float, cells))
                 )
             except ValueError:
-                values = None
-            if values is not None and np.isfinite(values).all():
+                values = np.full(1, np.nan)
+            if np.isfinite(values).all():
                 return values
         return np.array(
             [self._cell(text, block[i], name, rows + i, timed) for i, text in enumerate(cells)]
