@@ -78,6 +78,27 @@ class Disturbance(Schema):
         """Give the fixed frequencies, Hz; empty for a kind without any."""
         return ()
 
+    def highest(self) -> tuple[str, float]:
+        """Give the key that sets the highest frequency, and that frequency, Hz; 0 for a kind without any."""
+        return 'frequency', max(self.tones(), default=0.0)
+
+    def check_grid(self, fine_rate: float) -> None:
+        """Refuse frequencies that a grid of points cannot hold; between its points it is a straight line.
+
+        Args:
+            fine_rate: Hz, points per second.
+
+        Raises:
+            SatvibError: a frequency at or above half of that.
+        """
+        for part in self.parts():
+            key, frequency = part.highest()
+            if not frequency < 0.5 * fine_rate:
+                raise SatvibError(
+                    f'disturbance: {key}: {frequency} Hz is not below {0.5 * fine_rate} Hz, half the '
+                    'rate of the truth (rig.acquisition.fine_rate)'
+                )
+
     def parts(self) -> tuple['Disturbance', ...]:
         """Give the disturbances that add up to this one."""
         return (self,)

@@ -67,6 +67,10 @@ class Random(Disturbance):
         if self.high <= self.low:
             raise SatvibError(f'high: {self.high} Hz is not above low, {self.low} Hz')
 
+    def highest(self) -> tuple[str, float]:
+        """Give the upper edge of the band."""
+        return 'high', self.high
+
     @classmethod
     def bank(
         cls,

@@ -93,6 +93,12 @@ class ReactionWheel(Disturbance):
             return ()
         return tuple(h * self.speed for h in self.harmonics)
 
+    def highest(self) -> tuple[str, float]:
+        """Give the highest harmonic at the higher speed."""
+        return 'harmonics', max(self.harmonics, default=0.0) * max(
+            self.speed, self.end_speed or 0.0
+        )
+
     def values(self, transfer: Transfer) -> list[float]:
         """The numbers of the speed, then those of each harmonic."""
         end = self.speed if self.end_speed is None else self.end_speed

@@ -67,6 +67,11 @@ class Sweep(Disturbance):
         if self.shape == 'log' and self.frequency == self.end_frequency:
             raise SatvibError('end_frequency: a log sweep needs another one than frequency')
 
+    def highest(self) -> tuple[str, float]:
+        """Give the higher end."""
+        ends = {'frequency': self.frequency, 'end_frequency': self.end_frequency}
+        return max(ends.items(), key=lambda end: end[1])
+
     def values(self, transfer: Transfer) -> SweepValues:  # noqa: ARG002 - no fixed frequency
         """The numbers of the sweep."""
         log = math.log(self.end_frequency / self.frequency) if self.shape == 'log' else 0.0

@@ -42,6 +42,10 @@ class Tones(Disturbance):
         """Give the frequencies."""
         return self.frequencies
 
+    def highest(self) -> tuple[str, float]:
+        """Give the highest frequency."""
+        return 'frequencies', max(self.frequencies)
+
     def lines(self, transfer: Transfer) -> list[Tone]:
         """Give the tones."""
         phases = self.phases or (0.0,) * len(self.frequencies)

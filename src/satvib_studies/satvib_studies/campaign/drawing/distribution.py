@@ -85,6 +85,8 @@ class Distribution(Schema):
                 if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
                     raise SatvibError(f'values: {shown(value)} is beyond 2^63 - 1')
             return
+        if not math.isfinite((self.high or 0.0) - (self.low or 0.0)):
+            raise SatvibError(f'low, high: from {self.low:g} to {self.high:g} reaches too far')
         for u in (EDGE, 1.0 - EDGE):
             x = self._number(u)
             if not math.isfinite(x) or (self.whole and abs(x) > LARGEST_INTEGER):
