@@ -137,9 +137,12 @@ def _possible(
             )
     if not possible:
         n, m, delay = min(wanted)
+        known = int(np.isfinite(y * 0.0 + u * 0.0).sum())
+        complete = int(known_rows(y, u, LeastSquares.columns_of((n, m, delay))).sum())
+        late = f' behind {delay} samples' if delay else ''
         raise SatvibError(
-            f'record: {int(np.isfinite(y * 0.0 + u * 0.0).sum())} samples are too few for {n} poles and {m} '
-            f'coefficients{f" behind {delay} samples" if delay else ""}, with half of them for validation'
+            f'record: {known} samples are too few for {n} poles and {m} coefficients{late}, with a part of them for '
+            f'validation; without a gap in what they need are {complete}'
         )
     return possible, notes
 
