@@ -44,6 +44,7 @@ class Finding(Enum):
         False,
         'try other orders, another --delay or --method instrumental; look at the notes',
     )
+    FEW_SAMPLES = (False, 'look at these samples, and mark wrong ones as missing (an empty cell)')
     RESIDUAL_ANSWERS = (False, 'raise --order or --coefficients, or give the --delay')
     EXACT_FIT = (
         True,

@@ -44,6 +44,9 @@ RIDGE = 1e-3
 STEP_LOSS = 0.7  # an unstable model must err this much less than a stable one to be named
 SWAP = 0.4  # of fit
 SWAP_SHARE, SWAP_OTHER = 0.8, 0.2  # of what the own past of a signal leaves open
+FAR = 8.0  # robust deviations of the error
+MOST = 0.5  # of its power
+FEW = 0.01  # of the samples
 PERFECT = 1e-12  # share of the output's power left by a model
 
 
@@ -77,6 +80,7 @@ def judge(
         _unstable(candidates, chosen, around is not None and _answers(around)),
         _free_run(chosen),
         _residual(y, u, fitted, chosen, record.u.unit / record.y.unit),
+        _few_samples(y, fitted),
         _exact(y, fitted),
     ]
     kept = [f for f in found if f is not None]
@@ -261,6 +265,28 @@ def _response_error(
     through = np.convolve(drive, b)[: len(drive)]
     size = float(through @ through)
     return math.sqrt(max(explained, 0.0) / size) if size > 0.0 else math.inf
+
+
+def _few_samples(y: Array, fitted: Fitted) -> Found | None:
+    """Whether a few samples hold most of the error, as wrong ones do: least squares then fits those."""
+    error = y - fitted.predicted
+    e = np.where(np.isfinite(error), error, 0.0)
+    power = float(e @ e)
+    usual = 1.4826 * float(np.nanmedian(np.abs(error)))
+    far = np.abs(e) > FAR * usual
+    share = float(e[far] @ e[far]) / (power or 1.0)
+    if not (
+        usual > 0.0
+        and share > MOST
+        and far.sum() <= FEW * len(e) + 3
+        and power > PERFECT * float(np.nansum(y * y))
+    ):
+        return None
+    return Found(
+        Finding.FEW_SAMPLES,
+        f'{int(far.sum())} samples, the first at {int(np.argmax(far))}, hold {100.0 * share:.0f} % of the power of the '
+        'error: they are wrong, or something else happened there',
+    )
 
 
 def _exact(y: Array, fitted: Fitted) -> Found | None:

@@ -176,6 +176,18 @@ def test_a_free_run_below_zero_is_not_trusted():
     assert not result.trusted
 
 
+@pytest.mark.parametrize('at', [[400], [100, 700]])
+@pytest.mark.parametrize('wrong', [12.0, 1e4])
+def test_a_few_wrong_samples_that_least_squares_fits(at, wrong):
+    """Values that lie within the output, or far out."""
+    u = rng(10).choice([-1.0, 1.0], N)
+    y = PLANT.simulate(u) + 0.01 * rng(11).normal(size=N)
+    y[at] = wrong
+    result, what = found(y, u, [(2, 3, 0)])
+    assert Finding.FEW_SAMPLES in what
+    assert not result.trusted
+
+
 @pytest.mark.parametrize('finding', Finding)
 def test_every_finding_says_what_to_do(finding):
     assert len(finding.advice) > 20
