@@ -27,7 +27,7 @@ import yaml
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.settings_text import setting_text
-from satvib_common.struts import strut_names
+from satvib_common.struts.names import strut_names
 from satvib_experiment.analysis.tones import disturbance_onset
 from satvib_experiment.recording.bag_reader import custom_data
 from satvib_experiment.recording.topics import STRUT_TOPICS

@@ -12,7 +12,7 @@ from functools import partial
 from satvib_common.phases import PhasePlan
 from satvib_common.ros.main import run_node
 from satvib_common.ros.qos import wanted
-from satvib_common.struts import strut_names
+from satvib_common.struts.names import strut_names
 
 from satvib_control.core.centralized import CentralizedCore
 from satvib_control.laws.centralized.parameters import CentralizedParameters

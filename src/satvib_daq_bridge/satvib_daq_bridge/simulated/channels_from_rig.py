@@ -5,7 +5,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from satvib_common.struts import strut_names
+from satvib_common.struts.names import strut_names
 from satvib_plant_sim.rig.rig import Rig
 
 # of the coil LA17-28-000A: estimated from its family

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.phases import PhasePlan
-from satvib_common.struts import strut_names
+from satvib_common.struts.names import strut_names
 from satvib_control.laws.reasons import text_of
 from satvib_plant_sim.plant.failures import CONTROLLER, Failure
 from satvib_plant_sim.plant.observation import Sample, Truth

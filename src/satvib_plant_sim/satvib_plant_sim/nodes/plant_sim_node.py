@@ -20,7 +20,7 @@ from satvib_common.ros.convert import check_period, plan_of, sample_stamp, set_s
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
-from satvib_common.struts import strut_names
+from satvib_common.struts.names import strut_names
 
 from satvib_msgs.msg import Schedule, StrutAcceleration, StrutTruth, VcaVoltage
 from satvib_plant_sim.nodes.lockstep_answers import Answers

@@ -25,7 +25,8 @@ from typing import NamedTuple
 
 import numpy as np
 from satvib_common.arrays import Array
-from satvib_common.struts import motion_matrix, strut_angles
+from satvib_common.struts.motions import motion_matrix
+from satvib_common.struts.names import strut_angles
 
 from satvib_plant_sim.physics.state import state_of, state_size
 from satvib_plant_sim.rig.rig import Rig

@@ -20,7 +20,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.files.yaml_file import load_yaml, parse_yaml
 from satvib_common.schema import Schema, param
 from satvib_common.settings_text import change_existing
-from satvib_common.struts import strut_angles
+from satvib_common.struts.names import strut_angles
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-from satvib_common.struts import mode_matrix
+from satvib_common.struts.motions import mode_matrix
 from satvib_experiment.scenario.centralized_scheme import strut_angles
 from satvib_experiment.twin.closed_loop import ClosedLoop
 from satvib_plant_sim.rig.rig import Rig

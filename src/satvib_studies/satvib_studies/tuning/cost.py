@@ -24,7 +24,7 @@ from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 from satvib_common.signals.integrator import leaky_integrator
-from satvib_common.struts import mode_matrix, strut_matrix
+from satvib_common.struts.motions import mode_matrix, strut_matrix
 from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.physics.noise import noise_floor
 from satvib_plant_sim.responses.all_struts import rig_response

@@ -11,7 +11,7 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.levels import decibel
 from satvib_common.signals.integrator import leaky_integrator
-from satvib_common.struts import mode_matrix, strut_matrix
+from satvib_common.struts.motions import mode_matrix, strut_matrix
 from satvib_plant_sim.responses.all_struts import rig_response
 from satvib_plant_sim.rig.rig import Rig
 

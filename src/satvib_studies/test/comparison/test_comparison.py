@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from satvib_bringup.cli import main as cli
 from satvib_common.errors import SatvibError
-from satvib_common.struts import mode_matrix
+from satvib_common.struts.motions import mode_matrix
 from satvib_experiment.recording.run_folder import write_scenario
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import ClosedLoop, simulate

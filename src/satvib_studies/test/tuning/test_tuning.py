@@ -11,7 +11,7 @@ import yaml
 from satvib_bringup.cli import main as cli
 from satvib_common.errors import SatvibError
 from satvib_common.signals.integrator import leaky_integrator
-from satvib_common.struts import mode_matrix, strut_matrix
+from satvib_common.struts.motions import mode_matrix, strut_matrix
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import simulate
 from satvib_plant_sim.disturbance import make_disturbance

@@ -25,7 +25,7 @@ from satvib_common.kernels.direct_form import filter_sample
 from satvib_common.kernels.ordered_dot import dot_of
 from satvib_common.phases import Phase
 from satvib_common.signals.integrator import leaky_integrator
-from satvib_common.struts import mode_matrix, strut_matrix
+from satvib_common.struts.motions import mode_matrix, strut_matrix
 
 from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.centralized.parameters import CentralizedParameters

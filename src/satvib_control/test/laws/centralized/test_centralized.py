@@ -7,7 +7,7 @@ import pytest
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.signals.integrator import leaky_integrator
-from satvib_common.struts import strut_matrix
+from satvib_common.struts.motions import strut_matrix
 from satvib_control.core.centralized import CentralizedCore, make_core
 from satvib_control.core.controller import ControllerCore
 from satvib_control.core.faults import LOST_LONG

@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_common.struts import mode_matrix, strut_angles, strut_matrix, strut_names
+from satvib_common.struts.motions import mode_matrix, strut_matrix
+from satvib_common.struts.names import strut_angles, strut_names
 
 
 def test_the_modes_of_three_struts_are_those_of_the_drawing():

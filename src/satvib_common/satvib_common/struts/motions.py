@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Names and places of the struts, and the motions of the payload there (the paper's Fig. 1).
+"""The motions of the payload at its struts (the paper's Fig. 1).
 
     w_i = w + y_i alpha - x_i beta = w + sin(t_i) alpha_r - cos(t_i) beta_r,    alpha_r = r alpha, beta_r = r beta
 
@@ -15,16 +15,6 @@ import numpy as np
 
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-
-
-def strut_names(count: int) -> tuple[str, ...]:
-    """Give strut_1, strut_2, ...: the names of the struts, which are also their namespaces."""
-    return tuple(f'strut_{number}' for number in range(1, count + 1))
-
-
-def strut_angles(count: int, first: float, turn: float = 360.0) -> list[float]:
-    """Give the angles of struts that are spread evenly, the first at `first`, in the unit of `turn`."""
-    return [first + turn * index / count for index in range(count)]
 
 
 def motion_matrix(angles: Sequence[float], radius: float = 1.0) -> Array:
