@@ -13,8 +13,8 @@ import pytest
 SETTINGS = [
     'name=live',
     'duration=7',
-    'phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 0.5}, {phase: CONTROL, start: 2.5}]',
-    'disturbance={kind: sine, frequency: 9.0, amplitude: 0.5, start: 2.5}',
+    'phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 0.4}, {phase: STANDBY, start: 2.0}, {phase: CONTROL, start: 2.5}]',
+    'disturbance={kind: sine, frequency: 9.0, amplitude: 0.5, start: 2.0}',
     'analysis={}',
 ]
 ADAPTIVE = ['controller.law=velocity_feedback+narrowband']

@@ -29,8 +29,9 @@ FALL_TIME, RISE_TIME = 1.0, 30.0  # s; the usual level follows down quickly and 
 SETTLE_TIME = 1.0  # s of ACTING before the usual level is learnt
 # 4 dB more than loud above the usual level under control: the base may be of another time
 UNUSUAL = 2.5
+WELL_BELOW = 0.1  # 10 dB below the base nothing is unusual: an open loop rarely falls by more
 PATIENCE_UNUSUAL = 1.5  # s; doubles with each pause that shows the law was not the cause
-EFFORT = 1e-8  # (0.01 % of the limit)^2: at 0 V the law is not the cause
+EFFORT = 1e-7  # (0.03 % of the limit)^2: at 0 V the law is not the cause
 
 
 class State(IntEnum):
@@ -182,7 +183,7 @@ def _is_unusual(memory, settings):
     if settled <= 0.0:
         return False
     limit = UNUSUAL * settings[Setting.RATIO] * max(memory[Slot.SLOW], floor * floor)
-    usual = memory[Slot.LEVEL] < limit
+    usual = memory[Slot.LEVEL] < max(limit, WELL_BELOW * memory[Slot.BASE])
     if usual or memory[Slot.QUICK] < 0.5 * memory[Slot.LEVEL]:
         memory[Slot.STRANGE] = max(memory[Slot.STRANGE] - dt, 0.0)
     else:
