@@ -10,12 +10,15 @@ have measured.
 import numpy as np
 import pytest
 
+PHASES = (
+    'phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 0.4}, {phase: STANDBY, start: 2.0},'
+    ' {phase: CONTROL, start: 2.5}]'
+)
 SETTINGS = [
     'name=live',
     'duration=7',
     # the disturbance is heard at 0 V before CONTROL, so that no strut has to pause for that
-    'phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 0.4}, {phase: STANDBY, start: 2.0},'
-    ' {phase: CONTROL, start: 2.5}]',
+    PHASES,
     'disturbance={kind: sine, frequency: 9.0, amplitude: 0.5, start: 2.0}',
     'analysis={}',
 ]
