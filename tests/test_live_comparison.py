@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 
 PHASES = (
-    'phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 0.4}, {phase: STANDBY, start: 2.0},'
-    ' {phase: CONTROL, start: 2.5}]'
+    'phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 0.5}, {phase: STANDBY, start: 2.5},'
+    ' {phase: CONTROL, start: 3.0}]'
 )
 SETTINGS = [
     'name=live',
     'duration=7',
     # the disturbance is heard at 0 V before CONTROL, so that no strut has to pause for that
     PHASES,
-    'disturbance={kind: sine, frequency: 9.0, amplitude: 0.5, start: 2.0}',
+    'disturbance={kind: sine, frequency: 9.0, amplitude: 0.5, start: 2.5}',
     'analysis={}',
 ]
 ADAPTIVE = ['controller.law=velocity_feedback+narrowband']
@@ -74,13 +74,13 @@ def test_another_payload_is_identified_anew(tmp_path, domain):  # noqa: ARG001
     from satvib_experiment.recording.recording import differences
     from satvib_experiment.twin.closed_loop import simulate
 
-    lighter = 'rig.payload.mass=6.3'
-    retuned = scenario_of('adaptive', lighter)
+    lighter = ('rig.payload.mass=6.3', 'duration=8.5')
+    retuned = scenario_of('adaptive', *lighter)
     run = run_live(retuned, tmp_path / 'run')
     assert differences(run, simulate(retuned)) == []
     assert run.get('model', 'converged')[-1].all()
-    fixed = simulate(scenario_of('centralized', lighter))
-    assert (level(run, 6.0, 7.0) < level(fixed, 6.0, 7.0)).all()
+    fixed = simulate(scenario_of('centralized', *lighter))
+    assert (level(run, 7.5, 8.5) < level(fixed, 7.5, 8.5)).all()
 
 
 MODEST = {

@@ -25,7 +25,7 @@ def test_parameters_build_a_rig_and_a_disturbance():
     [
         ({'rig_overrides': ('payload.mass',)}, 'rig_overrides payload.mass: key=value is expected'),
         ({'disturbance': '{kind: quake}'}, "disturbance: kind: 'quake' is not known"),
-        ({'disturbance': '{kind: '}, 'disturbance: not YAML'),
+        ({'disturbance': '{kind: '}, 'disturbance: line 1: not YAML'),
         ({'seed': -1}, 'seed: -1 is less than 0'),
         ({'lockstep_timeout': 0.0}, 'lockstep_timeout: 0.0 is not above 0.0 s'),
     ],

@@ -24,9 +24,13 @@ SMALL = {
     'name': 'small',
     'base': {
         'seed': 3,
-        'duration': 2.0,
-        'phases': [{'phase': 'CALIBRATE'}, {'phase': 'CONTROL', 'start': 0.5}],
-        'analysis': {'controlled': [1.0, 2.0]},
+        'duration': 2.5,
+        'phases': [
+            {'phase': 'CALIBRATE'},
+            {'phase': 'STANDBY', 'start': 0.5},
+            {'phase': 'CONTROL', 'start': 1.0},
+        ],
+        'analysis': {'controlled': [1.5, 2.5]},
     },
     'axes': {
         'rig': {'stiff': {'rig': 'paper_1dof'}},
