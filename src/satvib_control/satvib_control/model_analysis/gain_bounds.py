@@ -34,12 +34,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
-from satvib_common.arrays import Array
+from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
 from satvib_common.kernels.horner_rule import horner
 from scipy.special import gammaincinv
 
-from satvib_control.model_analysis.transfer import model_polynomials, stable
+from satvib_control.model_analysis.transfer import model_polynomials, multiply, stable
 
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 
 LOWEST = 1e-4  # first point of the grid, as a share of the sample rate
 POINTS = 800
+OUTSIDE = 1.005  # radius
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
@@ -221,6 +222,28 @@ def gain_bounds(
     with np.errstate(all='ignore'):
         low, high = _bounds(a, b, float(model.delay), cb, ca, cov, margin)
         good = (stable(model_polynomials(model)[1]) * stable(ca)) > 0.0
-    return GainBounds(
-        np.where(good & np.isfinite(low), low, 0.0), np.where(good & np.isfinite(high), high, 0.0)
+    low, high = (
+        np.where(good & np.isfinite(bound) & _stable_with(bound, model, cb, ca), bound, 0.0)
+        for bound in (low, high)
     )
+    return GainBounds(low, high)
+
+
+def _stable_with(gain: Array, model: 'IirModel', cb: Array, ca: Array) -> Mask:
+    """Whether the closed loop is stable with a gain.
+
+    Two resonances of nearly the same frequency forbid gains in a band narrower than the grid. Then the grid has missed
+    it, the loop is not stable at the bound, and nothing is proven. Poles up to `OUTSIDE` count as stable: at a high
+    sample rate many poles lie so near to 1 that rounding moves them by as much.
+    """
+    b, a = model_polynomials(model)
+    open_loop, closed = multiply(a, ca), multiply(b, cb)
+    length = max(open_loop.shape[-1], closed.shape[-1])
+    open_loop, closed = (
+        np.concatenate([p, np.zeros((*p.shape[:-1], length - p.shape[-1]))], axis=-1)
+        for p in (open_loop, closed)
+    )
+    finite = np.where(np.isfinite(gain), gain, 0.0)[..., None]
+    with np.errstate(all='ignore'):
+        loop = (open_loop + finite * closed) * OUTSIDE ** -np.arange(length)
+        return np.asarray(stable(loop) > 0.0)

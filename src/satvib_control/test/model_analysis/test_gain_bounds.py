@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_control.model_analysis.gain_bounds import gain_bounds
@@ -54,7 +54,12 @@ def plants(draw):
     return IirModel(a[1:], b, draw(st.integers(1, 3)), 0.01)
 
 
+# two resonances closer to each other than the grid's frequencies
+TWINS = IirModel([-3.99300454, 5.98402231, -3.98901353, 0.998002], [0.0, 1.0], 2, 0.01)
+
+
 @settings(max_examples=60, deadline=None)
+@example(model=TWINS, share=0.5)
 @given(model=plants(), share=st.floats(0.0, 0.999))
 def test_inside_the_interval_the_loop_is_stable_with_the_margin(model, share):
     """Truth: closed-loop poles by numpy.roots and max |S| by brute force; 1e-3 for the brute grid."""
