@@ -67,7 +67,7 @@ class Slot(IntEnum):
     BLOCK = 9  # energy of the present block
     BLOCK_TIME = 10  # its length
     LAST_BLOCK = 11  # power of the block before
-    FALLEN = 12  # blocks that were compared
+    STRUCK = 12  # 1 where the pause follows a strike, which it must not repeat
     QUIET = 13  # how long it has been quiet while waiting
     SHARE = 14  # of the law's voltage
     STRIKES = 15
@@ -99,10 +99,16 @@ def _measure(memory, settings, y, effort):
 
 
 @njit
+def _limit(power, settings):
+    """The power above which a strut is loud whose level at 0 V has `power`; nothing below the floor counts."""
+    floor = settings[Setting.FLOOR]
+    return settings[Setting.RATIO] * max(power, floor * floor)
+
+
+@njit
 def _loud(memory, settings):
     """How many times the limit the level is; 0 where it is below, or decays."""
-    floor = settings[Setting.FLOOR]
-    limit = settings[Setting.RATIO] * max(memory[Slot.BASE], floor * floor)
+    limit = _limit(memory[Slot.BASE], settings)
     if memory[Slot.LEVEL] <= limit or memory[Slot.QUICK] < max(limit, 0.5 * memory[Slot.LEVEL]):
         return 0.0
     return min(memory[Slot.LEVEL] / limit, MOST)
@@ -144,7 +150,7 @@ def _pause(memory):
     memory[Slot.BLOCK] = 0.0
     memory[Slot.BLOCK_TIME] = 0.0
     memory[Slot.LAST_BLOCK] = np.inf
-    memory[Slot.FALLEN] = 0.0
+    memory[Slot.STRUCK] = 0.0
     memory[Slot.PEACE] = 0.0
     memory[Slot.ACTED] = 0.0
     memory[Slot.STRANGE] = 0.0
@@ -177,12 +183,12 @@ def _act(memory, settings):
 @njit
 def _is_unusual(memory, settings):
     """Whether the power has been far above its usual one under control for long: then the base is measured anew."""
-    dt, floor = settings[Setting.DT], settings[Setting.FLOOR]
+    dt = settings[Setting.DT]
     memory[Slot.ACTED] += dt
     settled = memory[Slot.ACTED] - SETTLE_TIME
     if settled <= 0.0:
         return False
-    limit = UNUSUAL * settings[Setting.RATIO] * max(memory[Slot.SLOW], floor * floor)
+    limit = UNUSUAL * _limit(memory[Slot.SLOW], settings)
     usual = memory[Slot.LEVEL] < max(limit, WELL_BELOW * memory[Slot.BASE])
     if usual or memory[Slot.QUICK] < 0.5 * memory[Slot.LEVEL]:
         memory[Slot.STRANGE] = max(memory[Slot.STRANGE] - dt, 0.0)
@@ -208,11 +214,10 @@ def _listen_in_pause(memory, settings, y):
         return False
     power = memory[Slot.BLOCK] / memory[Slot.BLOCK_TIME]
     falls = power < FALLING * memory[Slot.LAST_BLOCK]
-    memory[Slot.FALLEN] = 0.0 if falls else memory[Slot.FALLEN] + 1.0
     memory[Slot.LAST_BLOCK] = power
     memory[Slot.BLOCK] = 0.0
     memory[Slot.BLOCK_TIME] = 0.0
-    if memory[Slot.FALLEN] < 1.0 and memory[Slot.CLOCK] < LONGEST_PAUSE:
+    if falls and memory[Slot.CLOCK] < LONGEST_PAUSE:
         return False
     memory[Slot.LEVEL] = power
     memory[Slot.QUICK] = power
@@ -220,7 +225,7 @@ def _listen_in_pause(memory, settings, y):
 
 
 @njit
-def _judge(memory, struck):
+def _judge(memory):
     """At the end of a pause."""
     heard = memory[Slot.LEVEL]
     fell = memory[Slot.BEFORE] > 2.0 * heard
@@ -233,7 +238,7 @@ def _judge(memory, struck):
         _go(memory, State.RETURNING)
         return verdict
     memory[Slot.BASE] = min(memory[Slot.BASE], heard) if memory[Slot.BASE] > 0.0 else heard
-    if not struck:
+    if memory[Slot.STRUCK] == 0.0:
         memory[Slot.PAUSES] += 1.0
         if memory[Slot.PAUSES] > 1.0:
             verdict = _strike(memory)
@@ -244,8 +249,8 @@ def _judge(memory, struck):
 @njit
 def _wait(memory, settings):
     """WAITING: quiet until it is this strut's turn; the countdown begins anew when another one is loud."""
-    dt, floor = settings[Setting.DT], settings[Setting.FLOOR]
-    if memory[Slot.QUICK] > settings[Setting.RATIO] * max(memory[Slot.BASE], floor * floor):
+    dt = settings[Setting.DT]
+    if memory[Slot.QUICK] > _limit(memory[Slot.BASE], settings):
         memory[Slot.QUIET] = 0.0
         memory[Slot.LOUD] += dt
         if memory[Slot.LOUD] > ALLOWED_TIME:
@@ -264,7 +269,7 @@ def _return(memory, settings):
     if _is_loud_for(memory, settings, PATIENCE_RETURNING) and memory[Slot.EFFORT] > EFFORT:
         verdict = _strike(memory)
         _pause(memory)
-        memory[Slot.PAUSES] = -1.0  # this pause is of a strike already
+        memory[Slot.STRUCK] = 1.0
         return verdict
     if memory[Slot.CLOCK] > TURN:
         _go(memory, State.ACTING)
@@ -286,10 +291,7 @@ def _one(memory, settings, y, effort, acting, silent):
         verdict = _act(memory, settings)
     elif state == State.PAUSING:
         if _listen_in_pause(memory, settings, y):
-            struck = memory[Slot.PAUSES] < 0.0
-            if struck:
-                memory[Slot.PAUSES] = 0.0
-            verdict = _judge(memory, struck)
+            verdict = _judge(memory)
     elif state == State.WAITING:
         _wait(memory, settings)
     else:

@@ -222,15 +222,13 @@ def gain_bounds(
     with np.errstate(all='ignore'):
         low, high = _bounds(a, b, float(model.delay), cb, ca, cov, margin)
         good = (stable(model_polynomials(model)[1]) * stable(ca)) > 0.0
-    low, high = (
-        np.where(good & np.isfinite(bound) & _stable_with(bound, model, cb, ca), bound, 0.0)
-        for bound in (low, high)
-    )
-    return GainBounds(low, high)
+    bounds = np.stack([low, high])
+    bounds = np.where(good & np.isfinite(bounds) & _stable_with(bounds, model, cb, ca), bounds, 0.0)
+    return GainBounds(bounds[0, ...], bounds[1, ...])
 
 
 def _stable_with(gain: Array, model: 'IirModel', cb: Array, ca: Array) -> Mask:
-    """Whether the closed loop is stable with a gain.
+    """Whether the closed loop is stable with a gain (..., *shape of the model).
 
     Two resonances of nearly the same frequency forbid gains in a band narrower than the grid. Then the grid has missed
     it, the loop is not stable at the bound, and nothing is proven. Poles up to `OUTSIDE` count as stable: at a high

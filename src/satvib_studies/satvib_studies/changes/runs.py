@@ -16,27 +16,15 @@ from satvib_experiment.scenario.scenario import Scenario, load_scenario
 from satvib_experiment.twin.closed_loop import ClosedLoop
 from satvib_plant_sim.rig.rig import load_rig
 
+from satvib_studies.benchmark import robustness
 from satvib_studies.changes.drawing import DISTURBANCE_KINDS, KINDS, Change, draw_change
 
-PHASES = (
-    'phases=[{phase: CALIBRATE, start: 0.0}, {phase: IDENTIFY, start: 0.5}, {phase: ADAPT, start: 2.5},'
-    ' {phase: STANDBY, start: 4.5}, {phase: CONTROL, start: 6.5}]'
-)
 CONTROL = 6.5  # s
 END = 33.0  # s
 WINDOW = 0.5  # s
 LOUD = 6.0  # dB
 SETTLED = 3.0  # s at the end, whose level is compared
-MODEL = ('identifier.poles=6', 'identifier.coefficients=7')
-RIGS = {
-    'paper_1dof': ('controller.excitation=chirp', 'identifier.poles=4', 'identifier.coefficients=5'),
-    'paper_3dof': ('controller.excitation=chirp', 'identifier.poles=4', 'identifier.coefficients=5'),
-    'clean_3dof': ('controller.excitation=chirp', *MODEL),
-    'soft_3dof': (
-        'controller.excitation=squares', 'controller.excitation_amplitude=2.0',
-        'controller.reference_voltage=1.0', *MODEL,
-    ),
-}  # fmt: skip
+RIGS = robustness.RIGS | {'paper_1dof': robustness.RIGS['paper_3dof']}
 SCENARIOS = {'paper_1dof': 'paper_1dof_10hz'}
 
 
@@ -72,7 +60,7 @@ def scenario_of(rig: str, law: str, change: Change, seed: int, fresh: bool = Fal
         SCENARIOS.get(rig, rig),
         [
             *RIGS[rig],
-            PHASES,
+            robustness.PHASES,
             f'duration={END}',
             f'seed={seed}',
             f'controller.law={law}',
