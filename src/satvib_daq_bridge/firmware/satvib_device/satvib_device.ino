@@ -4,12 +4,16 @@
 // Reference firmware of a satvib acquisition device: six accelerometers in, three coils out, over USB serial.
 //
 // Written for a Teensy 4.1 (600 MHz, native USB) with an AD5754R (four outputs of +-10 V, 16 bit, SPI) and the board's
-// own 12-bit ADC behind a divider. Another board needs other bodies for the three functions under "Hardware"; no other
-// part uses the hardware. It was compiled against a stub of the Arduino functions and compared with the Python
-// model of the protocol, but it was not run on a board: measure yours with the coils disconnected first.
+// own 12-bit ADC behind a divider. Another board needs other bodies for the functions under "Hardware"; no other part
+// uses the hardware. It was compiled for the Teensy's core (tools/compile_firmware.py) and its protocol was compared
+// with the Python model, but it was not run on a board: measure yours with the coils disconnected first.
 //
 // THIS IS NO SAFETY FUNCTION. Wire the amplifiers' supply through an enable chain with a latching button
-// (docs/hardware.md); route its contact to kEnablePin too, so that the host can see it.
+// (docs/hardware.md). Wire these too, without which the sketch does not hold what it promises:
+//  - an auxiliary contact of the chain between kEnablePin and ground, closed when the chain is closed. Open, or with a
+//    broken wire, the pin is high: all outputs go to 0 V, which latches, and the host is told.
+//  - 10 kOhm from the DAC's CLR to ground. In reset and until setup() the pin floats; the resistor holds 0 V then, also
+//    after the watchdog has reset a hung board.
 
 #include <Arduino.h>
 #include <SPI.h>
@@ -33,7 +37,7 @@ int32_t readInput(uint8_t i) {
   return static_cast<int32_t>(analogRead(kInputPins[i]) * kMicrovoltsPerCount);
 }
 
-// AD5754R: register 0, address i, two's complement, +-10 V.
+// AD5754R: register 0, address i, two's complement (its pin BIN/2sCOMP to ground), +-10 V.
 void writeOutput(uint8_t i, int32_t microvolts) {
   int32_t code = static_cast<int32_t>(static_cast<int64_t>(microvolts) * 32768 / 10000000);
   if (code > 32767) code = 32767;
@@ -66,11 +70,34 @@ void beginHardware() {
   digitalWrite(kDacClear, LOW);
   SPI.begin();
   dacCommand(0x0C, 4);     // range of all outputs: +-10 V
-  dacCommand(0x10, 0x0F);  // power up four outputs
+  dacCommand(0x10, 0x1F);  // power up the four outputs (bits 0 to 3) and the internal reference (bit 4)
+  delayMicroseconds(20);   // the outputs take 10 us to power up; codes written before are lost
   for (uint8_t i = 0; i < kOutputs; ++i) writeOutput(i, 0);
-  digitalWrite(kDacClear, HIGH);
   analogReadResolution(12);
 }
+
+bool chainClosed() { return digitalRead(kEnablePin) == LOW; }
+
+// A low clear line holds the DAC at 0 V whatever its registers say.
+void holdAtZero(bool hold) { digitalWrite(kDacClear, hold ? LOW : HIGH); }
+
+// RTWDOG of the i.MX RT1062: a loop that hangs for kWatchdogTicks resets the board, so CLR goes low. Its clock is named
+// 32 kHz; boards were measured up to 128 kHz, so the time is 2.5 to 10 ms. A turn of the loop takes less than 0.2 ms.
+constexpr uint32_t kWatchdogTicks = 320;
+
+void beginWatchdog() {
+  CCM_CCGR5 |= CCM_CCGR5_WDOG3(CCM_CCGR_ON);
+  __disable_irq();  // the set-up must follow the unlocking within 128 clocks of the bus
+  WDOG3_CNT = 0xD928C520;
+  while (!(WDOG3_CS & WDOG_CS_ULK)) {
+  }
+  WDOG3_WIN = 0;
+  WDOG3_TOVAL = kWatchdogTicks;
+  WDOG3_CS = WDOG_CS_EN | WDOG_CS_CLK(1) | WDOG_CS_CMD32EN;  // no UPDATE: nothing can switch it off again
+  __enable_irq();
+}
+
+void feedWatchdog() { WDOG3_CNT = 0xB480A602; }
 
 // ---- Anti-alias filter: fourth-order Butterworth as two sections, run at the fast rate
 
@@ -132,10 +159,14 @@ void setup() {
   Serial.begin(2000000);  // native USB: the number is ignored
   designFilters(100.0);
   next_fast = micros();
+  beginWatchdog();
 }
 
 void loop() {
   uint32_t now = micros();
+  feedWatchdog();
+  const bool closed = chainClosed();
+  device.chain(closed);
   uint8_t data[64];
   const int waiting = Serial.available();
   if (waiting > 0) {
@@ -158,6 +189,7 @@ void loop() {
     inputs[i] = static_cast<int32_t>(volts);
   }
   for (uint8_t i = 0; i < kOutputs; ++i) writeOutput(i, device.output(i, now));
+  holdAtZero(!closed || !device.configured());
   if (in_session) {
     session_time += static_cast<uint64_t>(now - session_last) * 1000;
     session_last = now;

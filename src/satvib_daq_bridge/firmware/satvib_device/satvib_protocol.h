@@ -27,7 +27,7 @@ enum Kind : uint8_t {
 };
 enum Hold : uint8_t { kHoldZero = 0, kHoldLinear = 1 };
 enum Refusal : uint8_t { kNone = 0, kPeriod = 1, kLifetime = 2, kCounts = 3, kLimits = 4 };
-enum Flag : uint8_t { kEnabled = 1, kExpired = 2, kZeroed = 4, kOverrun = 8 };
+enum Flag : uint8_t { kEnabled = 1, kExpired = 2, kZeroed = 4, kOverrun = 8, kOpened = 16 };
 
 // CRC-16/CCITT, polynomial 0x1021, initial value 0xFFFF.
 inline uint16_t crc16(const uint8_t *data, size_t size) {
@@ -136,12 +136,19 @@ class Device {
     if (enabled_ && now - heard_ >= lifetime_) zero(kExpired);
   }
 
+  // Reports the contact of the enable chain; an open chain puts the outputs to 0 V and latches. Call it in every turn.
+  void chain(bool closed) {
+    closed_ = closed;
+    if (!closed) zero(kOpened);
+  }
+
   // Voltage at an output now (uV).
   int32_t output(uint8_t i, uint32_t now) const {
     const uint64_t moved = static_cast<uint64_t>(now - arrived_) * 1000;
     if (hold_ == kHoldZero || moving_ == false || moved >= period_) return target_[i];
-    return start_[i] + static_cast<int32_t>((static_cast<int64_t>(target_[i]) - start_[i]) *
-                                            static_cast<int64_t>(moved) / static_cast<int64_t>(period_));
+    // the whole sum in 64 bits: from one end of the range to the other is more than 32 bits hold
+    const int64_t way = static_cast<int64_t>(target_[i]) - start_[i];
+    return static_cast<int32_t>(start_[i] + way * static_cast<int64_t>(moved) / static_cast<int64_t>(period_));
   }
 
   bool configured() const { return configured_; }
@@ -217,7 +224,7 @@ class Device {
         if (static_cast<int32_t>(get32(body + 11 + 4 * i)) < 0) refusal = kLimits;
     if (refusal == kNone) {
       zero(0);
-      latch_ = 0;
+      latch_ = closed_ ? 0 : kOpened;
       configured_ = true;
       session_ = session;
       period_ = period;
@@ -246,7 +253,7 @@ class Device {
       if (enabled_) zero(0);
       if (in_order) {
         command_ = number;
-        latch_ = 0;
+        latch_ = closed_ ? 0 : kOpened;
       }
       return;
     }
@@ -277,7 +284,7 @@ class Device {
   uint8_t piece_[kLongestFrame];
   size_t length_ = 0;
   bool too_long_ = false;
-  bool configured_ = false, enabled_ = false, overrun_ = false, moving_ = false;
+  bool configured_ = false, enabled_ = false, overrun_ = false, moving_ = false, closed_ = true;
   uint8_t latch_ = 0, hold_ = kHoldZero, inputs_ = 0;
   uint16_t session_ = 0, rejected_ = 0, refused_ = 0, dropped_ = 0;
   uint32_t period_ = 0, lifetime_ = 0, begun_ = 0, samples_ = 0, command_ = 0, heard_ = 0, arrived_ = 0;

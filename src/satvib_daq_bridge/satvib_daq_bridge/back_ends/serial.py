@@ -36,6 +36,10 @@ from satvib_daq_bridge.protocol.framing import FrameReader
 
 _DRIFT = 2e-4  # of the clocks against each other, generously
 _MICRO = 1e6
+# samples by which the numbers may be ahead of the host's clock, and the share by which the device's clock may be faster
+_AHEAD, _FASTER = 50.0, 1.001
+# damaged numbers in a row that make a fault: then the device, not the line, is wrong
+_IMPLAUSIBLE_LIMIT = 10
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +75,10 @@ class Serial(BackEnd):
         self._reported: messages.Sample | None = None
         self.given_up = 0
         self.lost = 0
+        self.implausible = 0
+        self._implausible_run = 0
+        self._possible = _AHEAD
+        self._heard_at = 0.0
 
     def open(self) -> str:
         """Open the port, put the device to 0 V and read its identity."""
@@ -119,7 +127,8 @@ class Serial(BackEnd):
         self._sequence = -1
         self._offset = math.inf
         self._device_time = 0
-        self._last_sample_at = now
+        self._last_sample_at = self._heard_at = now
+        self._possible = _AHEAD
 
     def fileno(self) -> int:
         """The port."""
@@ -178,6 +187,7 @@ class Serial(BackEnd):
             'frames': float(self._reader.accepted),
             'frames rejected': float(self._reader.rejected),
             'samples lost': float(self.lost),
+            'samples with an impossible number': float(self.implausible),
             'commands given up': float(self.given_up),
             'rejected by device': float(reported.rejected if reported else 0),
             'refused by device': float(reported.refused if reported else 0),
@@ -190,6 +200,8 @@ class Serial(BackEnd):
         if len(message.inputs) != self._identity.inputs:
             return None
         if self._sequence >= 0 and not messages.newer(message.number, self._sequence & 0xFFFFFFFF):
+            return None
+        if not self._plausible(message, now):
             return None
         before = self._sequence
         self._sequence += (message.number - self._sequence) & 0xFFFFFFFF
@@ -205,9 +217,35 @@ class Serial(BackEnd):
         fault = ''
         if messages.Flag.EXPIRED in message.flags and self._enabled:
             fault = 'the device had no command within its lifetime and is at 0 V'
+        if messages.Flag.OPENED in message.flags and self._enabled:
+            fault = 'the enable chain is open'
         volts = np.array(message.inputs, dtype=float)[self._inputs] / _MICRO
         when = taken + self._offset
         return Reading(self._sequence, when, volts, now - when, fault)
+
+    def _plausible(self, message: messages.Sample, now: float) -> bool:
+        """Whether the device can have taken so many samples since the session began.
+
+        The time that has passed gives samples that are possible, and each sample uses what it is ahead of the last one.
+
+        Raises:
+            BackEndError: it says so again and again.
+        """
+        ahead = (message.number - self._sequence) & 0xFFFFFFFF
+        self._possible += max(now - self._heard_at, 0.0) / self.period * _FASTER
+        self._heard_at = now
+        if ahead <= self._possible:
+            self._possible -= ahead
+            self._implausible_run = 0
+            return True
+        self.implausible += 1
+        self._implausible_run += 1
+        if self._implausible_run >= _IMPLAUSIBLE_LIMIT:
+            raise BackEndError(
+                f'{self.path}: the device numbers its samples wrongly: {message.number} after '
+                f'{self._sequence & 0xFFFFFFFF}'
+            )
+        return False
 
     def _check_identity(self, found: messages.Identity) -> None:
         if found.version != messages.VERSION:

@@ -11,6 +11,9 @@ from satvib_common.errors import SatvibError
 
 from satvib_daq_bridge.back_ends.base import BackEndError, missing_library
 
+# bytes of one read; the rest is read in the next turn, so that a flood never delays a voltage or its expiry
+PORTION = 2048
+
 
 class Port:
     """One port.
@@ -60,13 +63,13 @@ class Port:
         self._port = None
 
     def read(self) -> bytes:
-        """Give the bytes that have arrived; never waits.
+        """Give bytes that have arrived, at most `PORTION`; never waits.
 
         Raises:
             BackEndError: the device is unplugged.
         """
         try:
-            data = os.read(self.fileno(), 65536)
+            data = os.read(self.fileno(), PORTION)
         except BlockingIOError:
             return b''
         except OSError as error:

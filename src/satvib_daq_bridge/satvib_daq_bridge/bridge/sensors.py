@@ -4,15 +4,16 @@
 
     acceleration = polarity (volts - zero_voltage) / sensitivity
 
-A sensor is at fault when its reading is no number, when it stands at an end of the converter's range (railed: a broken
-wire, no supply), or when it repeats one value for `stuck_time` (a frozen converter; noise moves a live one). A
-device that stops sampling gives no reading; the caller watches that.
+A sensor is at fault when its reading is no number or one that its converter cannot give (beyond the range), when it
+stands at an end of the converter's range (railed: a broken wire, no supply), or when it repeats one value for
+`stuck_time` (a frozen converter; noise moves a live one). A device that stops sampling gives no reading; the caller
+watches that.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
-from satvib_common.arrays import Array
+from satvib_common.arrays import Array, Mask
 
 from satvib_daq_bridge.channels import SensorChannel
 
@@ -39,6 +40,7 @@ class Sensors:
         low, high = np.array([c.range for c in channels]).reshape(-1, 2).T
         margin = np.maximum(_MARGIN * (high - low), [c.step for c in channels])
         self._low, self._high = low + margin, high - margin
+        self._lowest, self._highest = low - margin, high + margin
         self._railed_samples = railed_samples
         self._stuck_samples = np.array(
             [max(round(c.stuck_time * rate), 2) if c.stuck_time else np.inf for c in channels]
@@ -52,8 +54,11 @@ class Sensors:
         self._railed = np.zeros(len(self.names))
 
     def acceleration(self, volts: Array) -> Array:
-        """Give m/s^2 (inputs) for V (inputs)."""
-        return self._scale * (volts - self._zero)
+        """Give m/s^2 (inputs) for V (inputs); NaN for what the converter cannot give."""
+        return np.where(self._impossible(volts), np.nan, self._scale * (volts - self._zero))
+
+    def _impossible(self, volts: Array) -> Mask:
+        return ~((volts >= self._lowest) & (volts <= self._highest))
 
     def watch(self, volts: Array) -> str:
         """Take one reading (inputs, V); gives the fault, empty without one."""
@@ -64,6 +69,7 @@ class Sensors:
         self._last = volts
         for what, wrong in (
             ('reads no number', ~np.isfinite(volts)),
+            ('is beyond what its converter can give,', self._impossible(volts)),
             ('is railed', self._railed >= self._railed_samples),
             ('is stuck', self._same >= self._stuck_samples),
         ):

@@ -54,6 +54,7 @@ class Flag(IntFlag):
     EXPIRED = 2
     ZEROED = 4
     OVERRUN = 8
+    OPENED = 16
 
 
 @dataclass(frozen=True)

@@ -60,6 +60,7 @@ class Device:
         self.samples = 0
         self.reader = FrameReader()
         self._latch = Flag(0)
+        self._closed = True
         self._overrun = False
         self._command = 0
         self._received_at = 0
@@ -102,6 +103,12 @@ class Device:
         """Put the outputs to 0 V when no command has come for too long; call it often."""
         if self.enabled and self.configured and now - self._received_at >= self.configured.lifetime:
             self._zero('no command within its lifetime', Flag.EXPIRED)
+
+    def chain(self, closed: bool) -> None:
+        """Take the contact of the enable chain; an open chain puts the outputs to 0 V and latches. Call it often."""
+        self._closed = closed
+        if not closed:
+            self._zero('the enable chain is open', Flag.OPENED)
 
     def expires(self) -> int | None:
         """When `watch` would act (us); None when it need not."""
@@ -153,7 +160,7 @@ class Device:
 
     def _begin(self, setup: Configure, now: int) -> None:
         self._zero('a new session', Flag(0))
-        self._latch = Flag(0)
+        self._release()
         self.configured = setup
         self.begun = now
         self.samples = 0
@@ -173,7 +180,7 @@ class Device:
                 self._zero('no longer enabled', Flag(0))
             if in_order:
                 self._command = command.number
-                self._latch = Flag(0)
+                self._release()
             return
         age = (self.samples - 1 - command.sample) & 0xFFFFFFFF
         fresh = age * setup.period <= setup.lifetime * 1000
@@ -188,6 +195,9 @@ class Device:
             for value, limit in zip(command.outputs, setup.limits, strict=True)
         )
         self.enabled, self._received_at = True, now
+
+    def _release(self) -> None:
+        self._latch = Flag(0) if self._closed else Flag.OPENED
 
     def _zero(self, why: str, latch: Flag) -> None:
         self.enabled = False

@@ -15,6 +15,7 @@ import pytest
 from satvib_common.errors import SatvibError
 from satvib_daq_bridge.back_ends.base import BackEndError
 from satvib_daq_bridge.back_ends.factory import make_back_end
+from satvib_daq_bridge.back_ends.serial_port import PORTION
 from satvib_daq_bridge.channels import parse_channels
 from satvib_daq_bridge.protocol.framing import FrameReader, frame
 from satvib_daq_bridge.protocol.messages import Configure, Hold, parse
@@ -258,6 +259,60 @@ def test_a_device_that_expired_while_driven_is_a_fault(bench):
     for _ in range(5):
         bench.to_host(bench.sample())
     assert 'no command within its lifetime' in bench.poll()[-1].fault
+
+
+def test_an_open_enable_chain_while_driven_is_a_fault(bench):
+    """Truth: the device latches 0 V and refuses to be driven until the chain is closed and a disabled command came."""
+    bench.to_host(bench.sample())
+    bench.poll()
+    bench.write([1.0] * 3, 0)
+    bench.to_device()
+    bench.device.chain(closed=False)
+    assert bench.device.targets == (0.0,) * 3
+    bench.to_host(bench.sample())
+    assert bench.poll()[-1].fault == 'the enable chain is open'
+    steps = [
+        (False, False, 0),
+        (False, True, 0),
+        (True, True, 0),
+        (True, False, 0),
+        (True, True, 1),
+    ]
+    for closed, enable, moved in steps:
+        bench.device.chain(closed)
+        bench.write([1.0] * 3, 1, enable)
+        bench.to_device()
+        assert bench.device.targets == (moved * 1e6,) * 3
+
+
+def test_one_impossible_number_is_not_used_and_many_are_a_fault(bench):
+    """Truth: a device that samples each 5 ms cannot be 2^31 - 100 samples ahead after one period."""
+    wires = [bench.sample() for _ in range(3)]
+    good = bench.device.samples
+    bench.device.samples = 2**31 - 100
+    ahead = [bench.sample() for _ in range(10)]
+    bench.device.samples = good
+    for wire in (*wires, ahead[0], bench.sample()):
+        bench.to_host(wire)
+    assert [r.sequence for r in bench.poll()] == [0, 1, 2, 3]
+    assert bench.back_end.figures()['samples with an impossible number'] == 1
+    for wire in ahead:
+        bench.to_host(wire)
+    with pytest.raises(BackEndError, match='numbers its samples wrongly'):
+        bench.poll()
+
+
+def test_a_flood_is_read_in_portions(bench):
+    """Truth: what one turn reads is bounded, so a flood cannot hold a voltage back; nothing is lost by it."""
+    flood = np.random.default_rng([5, 0]).bytes(3000) + b'\0' + bench.sample(1.5)
+    rest = bench.to_host(flood)
+    assert not rest
+    turns, got = 0, []
+    while select.select([bench.back_end.fileno()], [], [], 0.05)[0]:
+        got += bench.back_end.poll(bench.now / 1e6 + 0.001)
+        turns += 1
+    assert turns >= len(flood) // PORTION
+    assert [r.volts[0] for r in got] == [1.5]
 
 
 def test_zero_needs_no_session(bench):

@@ -37,6 +37,8 @@ def test_a_living_sensor_is_no_fault(make_channels):
     [
         (math.nan, 1, 'strut_1.lower reads no number at nan V'),
         (math.inf, 1, 'strut_1.lower reads no number at inf V'),
+        (2147.0, 1, 'strut_1.lower is beyond what its converter can give, at 2147 V'),
+        (-5.2, 1, 'strut_1.lower is beyond what its converter can give, at -5.2 V'),
         (4.999, 5, 'strut_1.lower is railed at 4.999 V'),
         (-5.0, 5, 'strut_1.lower is railed at -5 V'),
         (2.6, 50, 'strut_1.lower is stuck at 2.6 V'),
@@ -51,6 +53,14 @@ def test_a_sick_sensor_is_named_after_so_many_samples(make_channels, value, afte
         reading[1] = value
         found.append(sensors.watch(reading))
     assert found == [''] * (after - 1) + [said]
+
+
+def test_an_impossible_reading_is_no_acceleration(make_channels):
+    """Truth: a converter of +-5 V cannot give 2147 V; at the end of its range it can."""
+    sensors = Sensors(make_channels(struts=1).inputs, RATE)
+    impossible, possible = sensors.acceleration(np.array([2147.0, -5.0]))
+    assert math.isnan(impossible)
+    assert math.isfinite(possible)
 
 
 def test_one_railed_sample_is_no_fault(make_channels):

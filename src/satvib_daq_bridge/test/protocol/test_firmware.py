@@ -37,11 +37,16 @@ IDENTITY = Identity(
 INPUTS = (1, -2, 3, -4, 5, -6)
 
 
+# an error of memory or of arithmetic that the language leaves undefined ends the program
+SANITIZERS = ['-fsanitize=address,undefined', '-fno-sanitize-recover=all', '-g']
+
+
 @pytest.fixture(scope='module')
 def program(tmp_path_factory):
     path = tmp_path_factory.mktemp('firmware') / 'host'
     subprocess.run(
-        [COMPILER, *FLAGS, '-O1', '-o', path, HERE / 'firmware' / 'host.cpp'], check=True
+        [COMPILER, *FLAGS, *SANITIZERS, '-O1', '-o', path, HERE / 'firmware' / 'host.cpp'],
+        check=True,
     )
     return path
 
@@ -59,7 +64,7 @@ class Firmware:
 
     def close(self):
         self.process.stdin.close()
-        self.process.wait(10)
+        assert self.process.wait(30) == 0, 'a sanitizer has ended the program'
 
 
 def messages(rng, device):
@@ -70,8 +75,10 @@ def messages(rng, device):
     if choice == 0:
         return Hello(int(rng.integers(3)), number)
     if choice == 1:
+        # up to the most that a channels file can ask for: 2147 V
+        largest = int(rng.choice([10_000_000, 1_073_741_824, 2**31 - 1]))
         limits = tuple(
-            int(v) for v in rng.integers(-200_000, 10_000_000, size=rng.choice([2, 3, 3, 3]))
+            int(v) for v in rng.integers(-200_000, largest, size=rng.choice([2, 3, 3, 3]))
         )
         period = int(rng.choice([400_000, 5_000_000, 10_000_000]))
         lifetime = int(rng.choice([0, 20_000, 60_000], p=[0.1, 0.8, 0.1]))
@@ -96,7 +103,7 @@ def test_the_firmware_does_what_the_model_does(program, seed):
     moved = 0
     setup = frame(pack(Configure(1, 1, 5_000_000, 20_000, Hold.LINEAR, 6, (9_000_000,) * 3)))
     wires = [setup]
-    for _ in range(1500):
+    for _ in range(2000):
         now += int(rng.integers(0, 4000))
         wire = wires.pop() if wires else frame(pack(messages(rng, model)))
         if rng.random() < 0.1:
@@ -109,6 +116,9 @@ def test_the_firmware_does_what_the_model_does(program, seed):
         if rng.random() < 0.7:
             now += int(rng.integers(0, 2000))
             assert firmware.tell('s', now) == model.take_sample(INPUTS, now).hex()
+        closed = bool(rng.random() < 0.999)
+        firmware.tell('c', now, bytes([closed]))
+        model.chain(closed)
         now += int(rng.integers(0, 3000))
         firmware.tell('w', now)
         model.watch(now)
@@ -117,6 +127,28 @@ def test_the_firmware_does_what_the_model_does(program, seed):
         moved += got.any()
     firmware.close()
     assert moved > 100, 'the outputs hardly ever moved: the test shows nothing'
+
+
+@needs_compiler
+@pytest.mark.parametrize('limit', [1, 10_000_000, 1_073_741_823, 1_073_741_824, 2**31 - 1])
+def test_outputs_move_from_end_to_end_without_overflow(program, limit):
+    """Truth: a straight line between the ends, in whole numbers (1 uV), for limits up to what a file accepts."""
+    firmware = Firmware(program)
+    period, ends = 4_000_000, (limit, -limit, limit)
+    firmware.tell(
+        'r', 0, frame(pack(Configure(1, 1, period, 50_000, Hold.LINEAR, 6, (limit,) * 3)))
+    )
+    now = 0
+    before = 0
+    for number, end in enumerate(ends, start=1):
+        firmware.tell('s', now)
+        firmware.tell('r', now, frame(pack(Command(1, number, number - 1, True, (end,) * 3))))
+        for share in (0, 1, 2, 3, 4):
+            got = [int(v) for v in firmware.tell('o', now + 1000 * share).split(',')]
+            assert got == pytest.approx([before + (end - before) * share / 4] * 3, abs=1.0)
+        now += 4000
+        before = end
+    firmware.close()
 
 
 @needs_compiler

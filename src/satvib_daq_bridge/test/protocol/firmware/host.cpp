@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Runs the firmware's protocol on the host: a line in, a line out. r TIME HEX: receive; s TIME: sample; w TIME: watch;
-// o TIME: outputs.
+// o TIME: outputs; c TIME HEX: the enable chain, 01 closed.
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -41,6 +41,8 @@ int main() {
       device.receive(data.data(), data.size(), now);
     } else if (what == "s") {
       device.takeSample(inputs, now);
+    } else if (what == "c") {
+      device.chain(hex == "01");
     } else if (what == "w") {
       device.watch(now);
     } else {
