@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""How a sample follows the one before: next, after a gap, repeated, or the first of a new run.
+"""How a sample follows the one before: next, after a gap, repeated, the first of a new run, or a stray.
 
 A node classifies each sample once, when it arrives, and hands the result on with the sample.
 """
@@ -16,6 +16,7 @@ class Arrival(Enum):
     GAP = 'gap'
     REPEAT = 'repeat'
     RESTART = 'restart'
+    STRAY = 'stray'
 
 
 class SequenceTracker:
@@ -24,13 +25,28 @@ class SequenceTracker:
     A sample that is older than the last one by at most `repeat_window` is a repeat, and is to be ignored. A sample that
     is older than that means that the source has started again.
 
+    With `confirm` one sample alone proves neither a new run nor a gap of more than `repeat_window`: it is a stray, and
+    to be ignored, until a second one follows it. One late or foreign message then costs nothing, and a true restart
+    costs one sample. In lockstep that one sample would never be answered, and a run begins with sample 0: there
+    `zero_restarts` takes sample 0 at once.
+
+    Args:
+        repeat_window: samples.
+        confirm: wait for a second sample before a restart or a long gap.
+        zero_restarts: except for sample 0.
+
     Attributes:
         last: the newest sequence, None before the first.
-        lost, repeats, restarts: counts of samples that are missing, of repeats and of restarts.
+        lost, repeats, restarts, strays: counts of samples that are missing, of repeats, restarts and strays.
     """
 
-    def __init__(self, repeat_window: int = 100) -> None:
+    def __init__(
+        self, repeat_window: int = 100, *, confirm: bool = False, zero_restarts: bool = False
+    ) -> None:
         self.repeat_window = repeat_window
+        self._confirm, self._zero_restarts = confirm, zero_restarts
+        self._candidate: int | None = None
+        self.strays = 0
         self.last: int | None = None
         self.lost = 0
         self.repeats = 0
@@ -42,7 +58,12 @@ class SequenceTracker:
         if last is None:
             return Arrival.FIRST
         if sequence == last + 1:
+            self._candidate = None
             return Arrival.NEXT
+        if self._confirm and self._is_stray(sequence, last):
+            self.last = last
+            self.strays += 1
+            return Arrival.STRAY
         if sequence > last:
             self.lost += sequence - last - 1
             return Arrival.GAP
@@ -52,3 +73,15 @@ class SequenceTracker:
             return Arrival.REPEAT
         self.restarts += 1
         return Arrival.RESTART
+
+    def _is_stray(self, sequence: int, last: int) -> bool:
+        """Whether a sample that is far from the last one has none before it that it follows."""
+        near = abs(sequence - last) <= self.repeat_window and sequence > 0
+        if near or (sequence == 0 and self._zero_restarts):
+            self._candidate = None
+            return False
+        candidate, self._candidate = self._candidate, sequence
+        follows = candidate is not None and 0 < sequence - candidate <= self.repeat_window
+        if follows:
+            self._candidate = None
+        return not follows

@@ -92,6 +92,32 @@ def test_a_plan_out_of_order_is_refused(phases, first, end, message):
         PhasePlan(phases, first, end)
 
 
+@pytest.mark.parametrize(
+    ('sequences', 'expected'),
+    [
+        # one old and one far message change nothing
+        ([500, 3, 501, 10**6, 502, 0, 503], 'first stray next stray next stray next'),
+        # the second sample of a new run proves it; so does the second after a long gap
+        ([500, 0, 1, 2], 'first stray restart next'),
+        ([500, 900, 901, 902], 'first stray gap next'),
+        # two strays that do not follow each other prove nothing
+        ([500, 3, 390, 10, 501], 'first stray stray stray next'),
+        # short gaps and repeats are what they were
+        ([500, 503, 502, 504], 'first gap repeat next'),
+    ],
+)
+def test_one_message_alone_proves_no_new_run(sequences, expected):
+    """Truth: the rule of the docstring, with the window of 100 samples."""
+    tracker = SequenceTracker(confirm=True)
+    assert [tracker.classify(k).value for k in sequences] == expected.split()
+
+
+def test_in_lockstep_sample_0_begins_a_new_run_at_once():
+    tracker = SequenceTracker(confirm=True, zero_restarts=True)
+    found = [tracker.classify(k).value for k in (500, 3, 501, 0, 1)]
+    assert found == ['first', 'stray', 'next', 'restart', 'next']
+
+
 def test_sequence_tracker():
     tracker = SequenceTracker()
     seen = [tracker.classify(k) for k in (5, 6, 9, 9, 8, 10, 0, 1)]

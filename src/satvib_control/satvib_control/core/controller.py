@@ -153,12 +153,16 @@ class ControllerCore:
         """Latch 0 V from the next sample on, until `reset`."""
         self._faults.stop()
 
-    def reset(self) -> None:
-        """Release latched faults; the law begins at rest. Biases and the identified model stay."""
+    def reset(self) -> bool:
+        """Release latched faults; the law begins at rest. Biases and the identified model stay.
+
+        Gives whether all were released: a bias that CALIBRATE did not give keeps its strut at 0 V.
+        """
         self.guard.reset()
         self.law.reset()
         self.watch.reset()
         self._faults.reset()
+        return not self._faults.biasless.any()
 
     def step(
         self,
@@ -223,12 +227,16 @@ class ControllerCore:
         valid = np.isfinite(upper)
         whole = bool(valid.all())
         if phase == Phase.CALIBRATE:
+            if self._checked_rest and self._faults.biasless.any():
+                self._calibrate_again()
             self.calibration_upper.add(upper)
             self.calibration_lower.add(lower)
         elif not self._checked_rest:
             self._checked_rest = True
-            deviation = self.calibration_upper.standard_deviation
-            self._faults.check_rest(deviation, self.parameters.calibration_limit)
+            p, upper_bias = self.parameters, self.calibration_upper
+            self._faults.check_bias(
+                upper_bias.mean, upper_bias.standard_deviation, p.bias_limit, p.calibration_limit
+            )
         upper = upper - self.calibration_upper.mean
         if not whole:
             upper = np.where(valid, upper, 0.0)
@@ -236,6 +244,12 @@ class ControllerCore:
         if not np.isfinite(lower).all():
             lower = np.where(np.isfinite(lower), lower, np.nan)
         return _Measured(upper, lower, valid, whole)
+
+    def _calibrate_again(self) -> None:
+        """Forget the biases of a CALIBRATE that failed somewhere, for this is another one."""
+        self.calibration_upper.reset()
+        self.calibration_lower.reset()
+        self._checked_rest = False
 
     def _hand_over_model(self) -> None:
         """Give the law the model that waits for it."""

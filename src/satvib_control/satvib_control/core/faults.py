@@ -13,6 +13,7 @@ NOT_FINITE = reason('fault: the law asked for a voltage that is not finite')
 LOST = reason('0 V: the upper acceleration is missing')
 LOST_LONG = reason('fault: the upper acceleration was missing for too long')
 RESTLESS = reason('fault: the upper sensor was not at rest in CALIBRATE')
+BIASED = reason('fault: the bias of the upper sensor in CALIBRATE is more than bias_limit')
 DIVERGED = reason('fault: the law made the strut louder than its open loop, three times')
 STOPPED = reason('fault: stopped from outside')
 
@@ -30,24 +31,38 @@ class Faults:
     def __init__(self, shape: tuple[int, ...]) -> None:
         self.shape = shape
         self.alarmed = False
+        self._biasless = np.zeros(shape, dtype=np.int64)
         self.reset()
 
     def reset(self) -> None:
-        """Forget all causes."""
+        """Forget all causes but a bias that was not measured: only another CALIBRATE removes that."""
         self._stopped = np.zeros(self.shape, dtype=bool)
         self._lost = np.zeros(self.shape, dtype=np.int64)  # upper samples lost in a row
-        self._reason = np.zeros(self.shape, dtype=np.int64)
+        self._reason = self._biasless.copy()
+        self.alarmed = bool(self._biasless.any())
+
+    @property
+    def biasless(self) -> Mask:
+        """Where no bias is known (shape), because CALIBRATE did not give a plausible one."""
+        return self._biasless != 0
 
     def stop(self) -> None:
         """Stop all from the next sample on."""
         self._stopped = np.ones(self.shape, dtype=bool)
         self.alarmed = True
 
-    def check_rest(self, deviation: Array, limit: float) -> None:
-        """Stop where a sensor was not at rest in CALIBRATE (shape, m/s^2): it has no bias to learn."""
-        restless = deviation > limit
-        self._reason = np.where(restless, RESTLESS, self._reason)
-        self.alarmed = self.alarmed or bool(restless.any())
+    def check_bias(
+        self, bias: Array, deviation: Array, bias_limit: float, deviation_limit: float
+    ) -> None:
+        """Stop where CALIBRATE gave no bias to subtract: not at rest, or an offset that no sensor has (shape, m/s^2).
+
+        Such a fault is kept through `reset`, until the next call finds a bias.
+        """
+        biasless = np.where(np.abs(bias) > bias_limit, BIASED, 0)
+        biasless = np.where(deviation > deviation_limit, RESTLESS, biasless)
+        self._biasless = biasless
+        self._reason = np.where(biasless != 0, biasless, self._reason)
+        self.alarmed = self.alarmed or bool(biasless.any())
 
     def causes(self, valid: Mask, verdict: Integers, loss_limit: int) -> Integers:
         """Take a sample; give what stops the voltage for good, as codes (shape); 0 for nothing."""

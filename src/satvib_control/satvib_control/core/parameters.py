@@ -35,6 +35,13 @@ class CoreParameters(LawParameters):
         unit='m/s^2',
         above=0.0,
     )
+    bias_limit: float = param(
+        30.0,
+        'largest bias of the upper sensor that CALIBRATE may find, gravity included; with more the '
+        'controller refuses to act',
+        unit='m/s^2',
+        above=0.0,
+    )
     loss_limit: int = param(
         20,
         'number of missing or not finite upper samples in a row that latches a fault; fewer give '

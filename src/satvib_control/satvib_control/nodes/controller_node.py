@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Any, TypeVar
 
 import numpy as np
+from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.ros.convert import check_period, fill, nanoseconds, plan_of
 from satvib_common.ros.node import SatvibNode
@@ -85,8 +86,16 @@ class ControllerNode(SatvibNode[P]):
         return self.stopped
 
     def reset(self) -> str:
-        """Release faults."""
-        self.core.reset()
+        """Release faults.
+
+        Raises:
+            SatvibError: one stays, for no reset can give a bias.
+        """
+        if not self.core.reset():
+            raise SatvibError(
+                'reset: the bias of the upper sensor is not known, the strut stays at 0 V: '
+                'start the run again and pass CALIBRATE at rest'
+            )
         return 'faults are released'
 
     def diagnose(self) -> tuple[str, dict[str, object]]:

@@ -6,6 +6,9 @@ from typing import Generic, TypeVar
 
 T = TypeVar('T')
 
+# incomplete samples that are kept; strays far ahead never become complete
+_KEPT = 256
+
 
 class SampleGatherer(Generic[T]):
     """One item per stream and sample.
@@ -33,6 +36,9 @@ class SampleGatherer(Generic[T]):
         parts = self._parts.setdefault(sequence, {})
         parts[stream] = item
         if len(parts) < self._streams:
+            if len(self._parts) > _KEPT:
+                ahead = max(self._parts)
+                del self._parts[ahead if ahead > sequence else min(self._parts)]
             return None
         self._done = sequence
         self._parts = {k: v for k, v in self._parts.items() if k > sequence}

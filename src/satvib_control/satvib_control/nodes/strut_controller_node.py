@@ -35,7 +35,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         self.serve(ControllerCore(p), [((), '')])
         self.waiting: deque[tuple[StrutAcceleration, Arrival]] = deque()
         self.models: ModelQueue[IirParameters] = ModelQueue(p.model_period, wait=p.lockstep)
-        self.tracker = SequenceTracker()
+        self.tracker = SequenceTracker(confirm=True, zero_restarts=p.lockstep)
 
     def activate(self) -> None:
         """Listen to the strut and to the schedule."""
@@ -72,7 +72,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
             self.check_period(f'{self.strut} acceleration', message)
             self.waiting.clear()
             self.models.begin(message.sequence, new_run=arrival is Arrival.RESTART)
-        if arrival is not Arrival.REPEAT:
+        if arrival not in {Arrival.REPEAT, Arrival.STRAY}:
             self.waiting.append((message, arrival))
             self.proceed()
 

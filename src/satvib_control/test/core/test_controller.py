@@ -93,6 +93,31 @@ def test_a_strut_that_was_not_at_rest_is_refused(settings):
     assert out.reason_text((0,)) == 'fault: the upper sensor was not at rest in CALIBRATE'
 
 
+@pytest.mark.parametrize(
+    ('bias', 'swing', 'reason'), [(0.0, 2.0, 'not at rest'), (1e4, 0.0, 'more than bias_limit')]
+)
+def test_a_reset_cannot_give_a_bias_and_another_calibration_can(settings, bias, swing, reason):
+    """Truth: without a bias the law would see 10^4 m/s^2 for ever. Only CALIBRATE at rest releases that strut."""
+    plan = PhasePlan(
+        (Phase.CALIBRATE, Phase.CONTROL, Phase.CALIBRATE, Phase.CONTROL), (0, 50, 100, 150), 200
+    )
+    core = core_with(settings, Proportional, shape=(2,))
+    for k in range(200):
+        wrong = bias + swing * (-1.0) ** k if k < 50 else 1.0
+        out = core.step(k, plan, np.array([wrong, 1.0]), np.zeros(2))
+        if k == 75:
+            assert not core.reset()
+        if 50 <= k <= 160:
+            assert out.voltage[0] == 0.0
+            assert out.fault.tolist() == [True, False]
+            assert reason in out.reason_text((0,))
+        if k == 160:
+            assert core.reset()
+    assert out.voltage.tolist() == [0.0, 0.0]
+    assert not out.fault.any()
+    np.testing.assert_allclose(core.calibration_upper.mean, 1.0)
+
+
 def test_a_missing_sample_gives_nothing_and_many_latch_a_fault(settings):
     core = core_with(settings, Proportional, loss_limit=3)
     uppers = [1.0, np.nan, 1.0, np.inf, np.nan, 1.0, np.nan, np.nan, np.nan, 1.0]

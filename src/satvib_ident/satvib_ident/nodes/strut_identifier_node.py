@@ -14,7 +14,7 @@ from satvib_common.ros.convert import check_period, fill, plan_of
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
-from satvib_common.sequence import Arrival
+from satvib_common.sequence import Arrival, SequenceTracker
 
 from satvib_ident.identifier import Identification, IdentifierCore
 from satvib_ident.nodes.voltage_pairing import VoltagePairing
@@ -37,6 +37,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self.core = IdentifierCore(p)
         self.plan: PhasePlan | None = None
         self.phases = frozenset(Phase[name] for name in p.estimate_in)
+        self.core.tracker = SequenceTracker(confirm=True, zero_restarts=p.lockstep)
         self.pairing: VoltagePairing[StrutAcceleration] = VoltagePairing(
             p.delay, p.lockstep, self.core.tracker
         )

@@ -29,7 +29,8 @@ class VoltagePairing(Generic[T]):
     def __init__(self, delay: int, wait: bool, samples: SequenceTracker | None = None) -> None:
         self.delay, self.wait = delay, wait
         self.unknown = 0
-        self.samples, self.voltages = samples or SequenceTracker(), SequenceTracker()
+        self.samples = samples or SequenceTracker()
+        self.voltages = SequenceTracker(confirm=True, zero_restarts=wait)
         self._waiting: deque[tuple[int, T, Arrival]] = deque()
         self._known: dict[int, float] = {}
 
@@ -39,7 +40,10 @@ class VoltagePairing(Generic[T]):
 
     def add_voltage(self, sequence: int, voltage: float) -> None:
         """Take a voltage as the guard let it out."""
-        if self.voltages.classify(sequence) is Arrival.RESTART:
+        arrival = self.voltages.classify(sequence)
+        if arrival is Arrival.STRAY:
+            return
+        if arrival is Arrival.RESTART:
             self._known.clear()
         self._known[sequence] = voltage
 
@@ -53,7 +57,7 @@ class VoltagePairing(Generic[T]):
                 self._known.clear()
                 self.voltages.last = None
                 self.voltages.restarts = self.samples.restarts
-        if arrival is not Arrival.REPEAT:
+        if arrival not in {Arrival.REPEAT, Arrival.STRAY}:
             self._waiting.append((sequence, sample, arrival))
         return arrival
 
