@@ -390,3 +390,37 @@ def test_the_schedule_of_real_time_waits_for_who_comes_late(start, probe):
         start_process(start, process)
     probe.wait(lambda: len(voltages) >= 100)
     assert [voltage.sequence for voltage in voltages[:100]] == list(range(100))
+
+
+def test_a_schedule_from_a_stranger_changes_nothing(start, probe):
+    """Truth: the rules of `ScheduleGate`. Plant and controller go on for 300 samples, in the phase that they had.
+
+    The stranger tries an unknown phase, an end that is over, one that is never reached, and other struts.
+    """
+    import rclpy
+
+    from satvib_msgs.msg import ControllerState, Schedule, StrutAcceleration, VcaVoltage
+
+    plant = start(*PLANT, rig='paper_1dof')
+    controller = start(*CONTROLLER, '/strut_1', sample_rate=200.0, lockstep=True)
+    samples = probe.collect(StrutAcceleration, '/strut_1/acceleration')
+    states = probe.collect(ControllerState, '/strut_1/controller_state')
+    held = probe.collect(VcaVoltage, '/strut_1/voltage')
+    own = probe.publisher(Schedule, '/schedule')
+    own.publish(schedule(end=0))
+    probe.wait(lambda: len(held) >= 20 and samples)
+    stranger = rclpy.create_node('stranger', context=probe.context)
+    out = stranger.create_publisher(Schedule, '/schedule', own.qos_profile)
+    probe.wait(lambda: out.get_subscription_count() == 2)
+    for message in (
+        schedule(phases=((9, 0),)), schedule(end=1), schedule(end=2**64 - 1), schedule(3), schedule(rate=100.0),
+        schedule(phases=((4, 0),)),
+    ):  # fmt: skip
+        out.publish(message)
+    before = len(states)
+    probe.wait(lambda: len(states) >= before + 300)
+    assert {state.phase for state in states} == {0}
+    for process in (plant, controller):
+        probe.wait(lambda process=process: 'refused: schedule' in process.said)
+        assert process.popen.poll() is None
+    stranger.destroy_node()

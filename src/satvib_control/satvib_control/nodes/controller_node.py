@@ -13,8 +13,9 @@ from typing import Any, TypeVar
 import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
-from satvib_common.ros.convert import check_period, fill, nanoseconds, plan_of
+from satvib_common.ros.convert import check_period, fill, nanoseconds
 from satvib_common.ros.node import SatvibNode
+from satvib_common.ros.schedule_gate import ScheduleGate
 from satvib_common.sequence import Arrival
 
 from satvib_control.core.controller import ControllerCore, ControllerOutput
@@ -41,6 +42,9 @@ class ControllerNode(SatvibNode[P]):
         """
         self.core, self.places = core, [place for place, _ in struts]
         self.plan: PhasePlan | None = None
+        self.gate = ScheduleGate(
+            self, self.shared('schedule'), self.parameters.sample_rate, self.run_is_on
+        )
         self.last: ControllerOutput | None = None
         self.last_stamp: int | None = None
         self.slowest = 0.0
@@ -116,10 +120,17 @@ class ControllerNode(SatvibNode[P]):
         return '; '.join(sorted(reasons)), figures
 
     def on_schedule(self, message: Schedule) -> None:
-        """Take the schedule."""
-        self.check_period('schedule', message)
-        self.plan = plan_of(message)
-        self.proceed()
+        """Take the schedule, unless it is refused."""
+        plan = self.gate.take(message)
+        if plan is not None:
+            self.plan = plan
+            self.proceed()
+
+    def run_is_on(self) -> bool:
+        """Whether a sample of the plan was answered, and another one is to come."""
+        if self.plan is None or self.last is None:
+            return False
+        return self.plan.end == 0 or self.last.sequence < self.plan.end - 1
 
     def check_period(self, name: str, message: Any) -> None:
         """Refuse a message whose sample period is not that of this node; `name` begins the error."""

@@ -12,11 +12,11 @@ called. Services: ~/arm, ~/stop, ~/estop, ~/reset, ~/calibrate. Every change of 
 import time
 from functools import partial
 
-from satvib_common.errors import SatvibError
-from satvib_common.ros.convert import check_period, plan_of, set_stamp
+from satvib_common.ros.convert import set_stamp
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
+from satvib_common.ros.schedule_gate import ScheduleGate
 
 from satvib_daq_bridge.bridge.bridge import Bridge, Published
 from satvib_daq_bridge.bridge.session import Session
@@ -46,6 +46,9 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         """Open the devices at 0 V and begin to read."""
         p = self.parameters
         self.session = Session(p, self._wake, self.transitions.append, self.latched)
+        self.gate = ScheduleGate(
+            self, 'schedule', p.sample_rate, lambda: self.bridge.running, self.bridge.struts
+        )
         self.epoch = time.time_ns() - time.monotonic_ns()
         struts = self.bridge.struts
         self.outs = [self.publish_on(StrutAcceleration, f'{s}/acceleration') for s in struts]
@@ -115,11 +118,9 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         return 0.1
 
     def _on_schedule(self, message: Schedule) -> None:
-        check_period('schedule', message.sample_period, self.parameters.sample_rate)
-        if list(message.struts) != self.bridge.struts:
-            given, own = ', '.join(message.struts), ', '.join(self.bridge.struts)
-            raise SatvibError(f'schedule: struts {given}, but the channels have {own}')
-        self.bridge.schedule(plan_of(message).end)
+        plan = self.gate.take(message)
+        if plan is not None:
+            self.bridge.schedule(plan.end)
 
     def _on_voltage(self, strut_index: int, message: VcaVoltage) -> None:
         self.bridge.command(strut_index, message.sequence, message.voltage)

@@ -10,10 +10,11 @@ The model is published for every sample of a phase in which it is estimated, and
 
 import numpy as np
 from satvib_common.phases import Phase, PhasePlan
-from satvib_common.ros.convert import check_period, fill, plan_of
+from satvib_common.ros.convert import check_period, fill
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
+from satvib_common.ros.schedule_gate import ScheduleGate
 from satvib_common.sequence import Arrival, SequenceTracker
 
 from satvib_ident.identifier import Identification, IdentifierCore
@@ -36,6 +37,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         p = self.parameters
         self.core = IdentifierCore(p)
         self.plan: PhasePlan | None = None
+        self.gate = ScheduleGate(self, self.shared('schedule'), p.sample_rate, self._run_is_on)
         self.phases = frozenset(Phase[name] for name in p.estimate_in)
         self.core.tracker = SequenceTracker(confirm=True, zero_restarts=p.lockstep)
         self.pairing: VoltagePairing[StrutAcceleration] = VoltagePairing(
@@ -77,9 +79,16 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         return f'{samples.lost} samples lost' if samples.lost else '', figures
 
     def _on_schedule(self, message: Schedule) -> None:
-        check_period('schedule', message.sample_period, self.parameters.sample_rate)
-        self.plan = plan_of(message)
-        self._work()
+        plan = self.gate.take(message)
+        if plan is not None:
+            self.plan = plan
+            self._work()
+
+    def _run_is_on(self) -> bool:
+        last = self.core.tracker.last
+        if self.plan is None or last is None:
+            return False
+        return self.plan.end == 0 or last < self.plan.end - 1
 
     def _on_voltage(self, message: VcaVoltage) -> None:
         self.pairing.add_voltage(message.sequence, message.voltage)

@@ -15,11 +15,12 @@ import numpy as np
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from satvib_common.arrays import Array
-from satvib_common.errors import RunError, SatvibError
-from satvib_common.ros.convert import check_period, plan_of, sample_stamp, set_stamp
+from satvib_common.errors import RunError
+from satvib_common.ros.convert import sample_stamp, set_stamp
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
+from satvib_common.ros.schedule_gate import ScheduleGate
 from satvib_common.struts.names import strut_names
 
 from satvib_msgs.msg import Schedule, StrutAcceleration, StrutTruth, VcaVoltage
@@ -59,6 +60,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.commands = Commands(plant.struts, p.command_timeout, plant.dt)
         self.k = -1  # the sample that is out
         self.end_at = 0
+        self.gate = ScheduleGate(self, 'schedule', 1.0 / plant.dt, lambda: self.k >= 0, self.names)
         self.zero: float | None = None  # s of the steady clock: sample 0 in real time
         self.stamp_of_start = 0
         self.overdue = 0
@@ -113,14 +115,10 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         return 0.0
 
     def _on_schedule(self, message: Schedule) -> None:
-        check_period('schedule', message.sample_period, 1.0 / self.plant.dt)
-        if list(message.struts) != self.names:
-            raise SatvibError(
-                f'schedule: its struts are {", ".join(message.struts)}, those of the rig '
-                f'{", ".join(self.names)}'
-            )
-        self.end_at = plan_of(message).end
-        self._set_off()
+        plan = self.gate.take(message)
+        if plan is not None:
+            self.end_at = plan.end
+            self._set_off()
 
     def _set_off(self) -> None:
         if self.k >= 0 or self.zero is not None:
