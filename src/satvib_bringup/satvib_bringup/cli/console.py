@@ -18,6 +18,8 @@ from satvib_common.phases import Phase
 
 # a log line at least this often in simulated seconds where there is no terminal
 _LOG_EVERY = 5.0
+# exit code of a run that has a report, and is no result
+NO_RESULT = 3
 _KINDS = ('measured_rms', 'true_rms', 'measured_tone', 'true_tone')
 
 
@@ -131,7 +133,12 @@ def _style(kind: str) -> str | None:
 
 
 def show_result(console: Console, result: dict[str, Any], page: Path) -> None:
-    """Print the table of a run, what must be known about it, and where the report is."""
+    """Print the table of a run, what must be known about it, and where the report is.
+
+    What makes the run worthless comes first.
+    """
+    for line in result['shortfalls']:
+        console.print(f'THIS RUN IS NO RESULT: {line}', style='bold red')
     console.print(result_table(result))
     if result['reference_source']:
         console.print(f'to compare: {result["reference_source"]}', style='dim')

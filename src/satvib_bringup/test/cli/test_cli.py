@@ -78,6 +78,17 @@ def test_what_only_lists_imports_no_numerical_library(arguments):
     assert not imported & {'numpy', 'scipy', 'numba', 'matplotlib', 'rclpy', 'pyarrow'}
 
 
+def test_a_run_that_controlled_nothing_is_no_success(satvib, tmp_path):
+    """Truth: without excitation no model is trusted, and narrowband gives 0 V without one."""
+    weak = ['--set', 'controller.law=narrowband', '--set', 'controller.excitation_amplitude=1e-6']
+    code, out, _ = satvib('simulate', 'quick_3dof', *weak, '--folder', 'run')
+    assert code == 3
+    results = [line for line in out.splitlines() if 'dB' in line or 'NO RESULT' in line]
+    assert any('NO RESULT: No strut has a model' in line for line in results)
+    assert json.loads((tmp_path / 'run' / 'result.json').read_text())['shortfalls']
+    assert 'This run is no result' in (tmp_path / 'run' / 'report.html').read_text()
+
+
 def test_simulate_then_report(satvib, tmp_path):
     """Truth: the files that the command promises; the second run gets a folder of its own; the report of the first
     one, made again, has the same figures.

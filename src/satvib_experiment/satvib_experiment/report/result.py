@@ -13,6 +13,7 @@ import numpy as np
 from satvib_common.errors import SatvibError
 
 from satvib_experiment.analysis.evaluation import KINDS
+from satvib_experiment.analysis.shortfalls import shortfalls
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.models import model_summary
 
@@ -43,6 +44,7 @@ def result_mapping(context: Context) -> dict[str, Any]:
             'reference_source': e.reference_source or None,
             'lost': recording.lost(),
             'counts': recording.counts,
+            'shortfalls': shortfalls(recording),
             'notes': e.notes,
             'phases': [
                 {'phase': phase.name, 'start': start, 'end': end}

@@ -40,6 +40,8 @@ def run(
     """Run a scenario as a live graph of processes, record it to a bag, and report.
 
     Writes bag/, logs, scenario.yaml, report.html, result.json and figures/ into a new folder.
+
+    Exit code 3: the run is no result (no trusted model, no voltage under control, more than 1 % late).
     """
     _run(scenario, settings, folder, realtime)
 
@@ -50,7 +52,7 @@ def _run(name: str, settings: list[str] | None, folder: Path | None, realtime: b
     from satvib_experiment.report.build import write_report
     from satvib_experiment.scenario.scenario import load_scenario
 
-    from satvib_bringup.cli.console import ProgressView, make_console, show_result
+    from satvib_bringup.cli.console import NO_RESULT, ProgressView, make_console, show_result
 
     scenario = load_scenario(name, settings or [])
     target = free_run_folder(scenario.name, folder)
@@ -71,6 +73,8 @@ def _run(name: str, settings: list[str] | None, folder: Path | None, realtime: b
     console.print(outcome.message, style='dim')
     report = write_report(read_recording(target), target)
     show_result(console, report.result, report.page)
+    if report.result['shortfalls']:
+        raise typer.Exit(NO_RESULT)
 
 
 def _experiment() -> 'Callable[..., Outcome]':

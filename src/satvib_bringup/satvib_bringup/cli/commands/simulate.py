@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """`satvib simulate`: the offline twin of a live run, in one process."""
 
+import typer
+
 from satvib_bringup.cli.options import Folder, ScenarioName, Settings
 
 
@@ -9,6 +11,8 @@ def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder =
     """Run a scenario in this process, without DDS: sample for sample what the lockstep graph does.
 
     Writes recording.npz, scenario.yaml, report.html, result.json and figures/ into a new folder.
+
+    Exit code 3: the run is no result (no trusted model, no voltage under control).
     """
     from satvib_experiment.analysis.running_attenuation import TwinProgress
     from satvib_experiment.recording.run_folder import (
@@ -20,7 +24,7 @@ def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder =
     from satvib_experiment.scenario.scenario import load_scenario
     from satvib_experiment.twin.closed_loop import simulate as run_twin
 
-    from satvib_bringup.cli.console import ProgressView, make_console, show_result
+    from satvib_bringup.cli.console import NO_RESULT, ProgressView, make_console, show_result
 
     loaded = load_scenario(scenario, settings or [])
     target = free_run_folder(loaded.name, folder)
@@ -38,3 +42,5 @@ def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder =
         f'{loaded.duration / elapsed:.0f} times real time',
         style='dim',
     )
+    if report.result['shortfalls']:
+        raise typer.Exit(NO_RESULT)

@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Runs that did nothing say so. Truth: the scenario, which makes them useless on purpose."""
+
+from dataclasses import replace
+
+import pytest
+from satvib_experiment.analysis.shortfalls import shortfalls
+from satvib_experiment.scenario.scenario import load_scenario
+from satvib_experiment.twin.closed_loop import simulate
+
+
+@pytest.fixture(scope='module')
+def sound():
+    return simulate(load_scenario('quick_3dof'))
+
+
+def test_a_sound_run_has_none(sound):
+    assert shortfalls(sound) == []
+
+
+def test_no_trusted_model_and_no_voltage_are_said():
+    """A voltage that excites nothing: no model is trusted, so the law gives 0 V."""
+    changes = ['controller.law=narrowband', 'controller.excitation_amplitude=1e-6']
+    found = shortfalls(simulate(load_scenario('quick_3dof', changes)))
+    assert [line.split(':')[0] for line in found] == [
+        'No strut has a model that is trusted',
+        'The voltage was 0 V at every strut, from the first sample of CONTROL to the last',
+    ]
+
+
+def test_a_run_that_is_not_meant_to_act_has_none():
+    assert shortfalls(simulate(load_scenario('quick_3dof', ['controller.law=off']))) == []
+
+
+@pytest.mark.parametrize(('late', 'said'), [(10, False), (20, True)])
+def test_late_answers_are_counted_against_all(sound, late, said):
+    """Truth: 1 % of samples times three struts."""
+    count = late * len(sound.sequence) * 3 // 1000
+    run = replace(sound, counts={'plant_sim_late_voltages': count})
+    assert [
+        f'{count} of {len(sound.sequence) * 3} voltages' in line for line in shortfalls(run)
+    ] == [True] * said
