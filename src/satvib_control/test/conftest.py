@@ -64,14 +64,14 @@ class Loop:
         self.voltage = np.zeros(shape)
         self.k = 0
 
-    def step(self, disturbance=0.0, lower=0.0):
-        """One sample; the plant's numerator begins with the delay, so u(k) is filtered in after y(k) is read."""
+    def step(self, disturbance=0.0, lower=0.0, clipped=(False, False)):
+        """One sample; `clipped`: of the upper and of the lower sensor. the plant's numerator begins with the delay, so u(k) is filtered in after y(k) is read."""
         # with delay >= 1 the direct term is zero and the filter's state already holds y(k)'s part
         y = self.plant.state[..., 0] + disturbance
         if self.identified is not None and self.plan.is_hand_over(self.k, 0):
             self.core.set_model(self.identified, self.trusted)
         lower = np.broadcast_to(np.asarray(lower, dtype=float), self.shape)
-        out = self.core.step(self.k, self.plan, y, lower)
+        out = self.core.step(self.k, self.plan, y, lower, None, *clipped)
         self.plant.step(out.voltage)
         self.voltage = out.voltage
         self.k += 1

@@ -56,6 +56,13 @@ class SensorChannel(Channel):
     zero_tolerance: float = param(
         description='largest offset at rest that is plausible', unit='V', above=0.0
     )
+    sensor_range: float = param(
+        0.0,
+        'full scale of the sensor, either way: beyond it a reading is marked as clipped; 0: not known, then only the '
+        'ends of the converter are marked',
+        unit='m/s^2',
+        minimum=0.0,
+    )
     rest: float = param(
         0.0, 'what it reads at rest by its mounting: +-9.81 with a vertical axis', unit='m/s^2'
     )
@@ -75,6 +82,11 @@ class SensorChannel(Channel):
             raise SatvibError(
                 f'zero_voltage: at rest {low:g} to {high:g} V is not inside the range of the '
                 f'converter, {self.range[0]:g} to {self.range[1]:g} V'
+            )
+        if 0.0 < self.sensor_range <= abs(self.rest):
+            raise SatvibError(
+                f'sensor_range: {self.sensor_range:g} m/s^2 does not hold what the sensor reads at rest, '
+                f'{self.rest:g} m/s^2'
             )
 
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.ordered_dot import dot
 from satvib_common.phases import Phase
@@ -124,8 +124,8 @@ class IdentifierCore:
         shape: leading axes; () in a node.
 
     Attributes:
-        counters: for diagnostics: lost samples, repeats, restarts, and per item samples that were not finite, samples
-            whose voltage was not known or whose regressor was too short, updates refused.
+        counters: for diagnostics: lost samples, repeats, restarts, and per item samples that were not finite or
+            clipped, samples whose voltage was not known or whose regressor was too short, updates refused.
     """
 
     def __init__(self, parameters: IdentifierParameters, shape: tuple[int, ...] = ()) -> None:
@@ -158,6 +158,7 @@ class IdentifierCore:
         self._hold = round(parameters.input_hold * rate)
         self._nobody = np.zeros(shape, dtype=bool)
         self._not_finite = np.zeros(shape)
+        self._clipped = np.zeros(shape)
         self._short = np.zeros(shape)
         self._unknown = np.zeros(shape)
         self._begin()
@@ -178,6 +179,7 @@ class IdentifierCore:
             'repeated samples': self.tracker.repeats,
             'restarts of the source': self.tracker.restarts,
             'accelerations not finite': self._not_finite,
+            'accelerations clipped': self._clipped,
             'voltages not known': self._unknown,
             'regressors below the floor': self._short,
             'updates refused': self.estimator.refused,
@@ -190,6 +192,7 @@ class IdentifierCore:
         upper: Array,
         voltage: Array,
         arrival: Arrival | None = None,
+        clipped: ArrayLike = False,
     ) -> Identification:
         """Take one sample.
 
@@ -199,6 +202,7 @@ class IdentifierCore:
             upper: (shape) y(k), m/s^2 as measured; NaN: not measured.
             voltage: (shape) u(k - delay), V, as the guard let it out; NaN: not known.
             arrival: how k follows the sample before; None: it is found here.
+            clipped: (shape) bool; y(k) stands at an end of the sensor's range, and is left out as one not measured.
 
         Returns:
             What is known now. A repeated sample changes nothing and gives the last answer again.
@@ -214,6 +218,10 @@ class IdentifierCore:
             self.regressor.clear()
         finite = np.isfinite(upper)
         self._not_finite = self._not_finite + ~finite
+        if clipped is not False and np.any(clipped):
+            at_end = np.asarray(clipped, dtype=bool)
+            self._clipped = self._clipped + at_end
+            upper = np.where(at_end, np.nan, upper)
         self._unknown = self._unknown + ~np.isfinite(voltage)
         self._calibrate(phase, upper)
         w, target, full = self.regressor.step(upper, voltage, self._bias)

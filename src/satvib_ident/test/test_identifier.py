@@ -274,3 +274,22 @@ def test_every_figure_has_a_field_in_the_message():
     text = (Path(__file__).parents[2] / 'satvib_msgs/msg/IirParameters.msg').read_text()
     lines = [line.split() for line in text.splitlines() if line and not line.startswith('#')]
     assert sorted([*FIGURES, 'reason']) == sorted(name for _, name in lines[4:])
+
+
+def test_clipped_samples_are_left_out(record):
+    """Truth: the parameters that made the record (1e-6). A sensor that clips the largest readings is marked there;
+    without the marks its readings bias the estimate by more than 1e-2."""
+    y, u = record('multisine', amplitude=10.0)
+    limit = 0.3 + 0.7 * np.abs(y - 0.3).max()
+    seen = np.clip(y, -limit, limit)
+    ends = np.abs(y) >= limit
+    assert 5 < ends.sum() < 100
+    marked, plain = IdentifierCore(IdentifierParameters()), IdentifierCore(IdentifierParameters())
+    out = None
+    for k in range(len(y)):
+        out = marked.step(k, phase(k), seen[k], u[k], clipped=ends[k])
+    np.testing.assert_allclose(out.model().theta, PLANT.theta, atol=1e-6)
+    assert marked.counters['accelerations clipped'] == ends.sum()
+    assert marked.counters['accelerations not finite'] == 0
+    wrong = run(plain, seen, u).model().theta - PLANT.theta
+    assert np.abs(wrong).max() > 1e-2

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Integers, Mask
 from satvib_ident.models.iir_model import IirModel
 
+from satvib_control.core.clipping_watch import ClippingWatch
 from satvib_control.core.controller import ControllerCore
 from satvib_control.core.vibration_watch import VibrationWatch
 from satvib_control.laws.centralized.parameters import CentralizedParameters
@@ -37,6 +38,8 @@ class CentralizedCore(ControllerCore):
     def _begin(self) -> None:
         super()._begin()
         self.watch = _CommonWatch(self.parameters, self.dt, self.shape)
+        limit = self.parameters.clipping_limit
+        self.clipping = ClippingWatch(limit, self.dt, self.shape, together=True)
 
     def set_model(
         self,
@@ -47,8 +50,8 @@ class CentralizedCore(ControllerCore):
     ) -> None:
         """Nothing: a model of single struts is not what this law was tuned on."""
 
-    def _causes(self, valid: Mask, verdict: Integers) -> Integers:
-        return _worst(super()._causes(valid, verdict))
+    def _causes(self, valid: Mask, verdict: Integers, blind: Mask) -> Integers:
+        return _worst(super()._causes(valid, verdict, blind))
 
 
 class _CommonWatch(VibrationWatch):

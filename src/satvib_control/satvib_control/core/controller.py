@@ -11,7 +11,8 @@
 | CONTROL | the law, faded in | what the law wants |
 
 Every voltage leaves through the guard. A missing upper sample gives 0 V for that sample; `loss_limit` of them in a
-row latch a fault. A gap in the sequence is counted and the states stay. A sequence that goes back starts everything
+row latch a fault. A clipped sample is not learnt from; a sensor that clips for long takes the law off
+(`clipping_watch`). A gap in the sequence is counted and the states stay. A sequence that goes back starts everything
 again.
 """
 
@@ -27,6 +28,7 @@ from satvib_common.signals.calibration import BiasCalibration
 from satvib_common.signals.statistics import MovingRms
 from satvib_ident.models.iir_model import IirModel
 
+from satvib_control.core.clipping_watch import ClippingWatch
 from satvib_control.core.faults import Faults
 from satvib_control.core.output import ControllerOutput
 from satvib_control.core.trusted_model import TrustedModel
@@ -41,6 +43,7 @@ from satvib_control.parameters import ControllerParameters
 # phases in which no strut is excited on purpose
 SILENT = frozenset({Phase.STANDBY, Phase.CALIBRATE})
 LISTENING = reason('0 V: louder than the open loop, listening whether the law is the cause')
+CLIPPED = reason('0 V: the upper sensor clips, so it cannot tell what the law does')
 REDUCED = reason('the law made the strut louder than its open loop and goes on with less voltage')
 UNSTABLE = reason('the identified model is not stable: not taken')
 UNCAUSAL = reason('the identified model has no delay, so no law can use it: not taken')
@@ -56,12 +59,15 @@ class _Measured(NamedTuple):
         upper: shape, m/s^2; 0 where it was not measured.
         lower: shape, m/s^2; NaN where it was not measured.
         valid: shape, bool; the upper acceleration was measured.
+        upper_clipped, lower_clipped: shape, bool; the sensor stands at an end of its range.
         whole: it was measured everywhere: such a sample takes the short ways.
     """
 
     upper: Array
     lower: Array
     valid: Mask
+    upper_clipped: Mask
+    lower_clipped: Mask
     whole: bool
 
 
@@ -98,6 +104,7 @@ class ControllerCore:
         self.calibration_upper = BiasCalibration(shape)
         self.calibration_lower = BiasCalibration(shape)
         self.watch = VibrationWatch(p, self.dt, shape)
+        self.clipping = ClippingWatch(p.clipping_limit, self.dt, shape)
         self._faults = Faults(shape)
         self._rms = MovingRms(max(round(p.rms_window * p.sample_rate), 1), shape)
         self._missed = 0
@@ -161,6 +168,7 @@ class ControllerCore:
         self.guard.reset()
         self.law.reset()
         self.watch.reset()
+        self.clipping.reset()
         self._faults.reset()
         return not self._faults.biasless.any()
 
@@ -171,6 +179,8 @@ class ControllerCore:
         upper: ArrayLike,
         lower: ArrayLike,
         arrival: Arrival | None = None,
+        upper_clipped: ArrayLike = False,
+        lower_clipped: ArrayLike = False,
     ) -> ControllerOutput:
         """Take sample k of both sensors (shape, m/s^2, as measured) and give the voltage.
 
@@ -181,6 +191,7 @@ class ControllerCore:
             plan: the phases.
             upper, lower: (shape) m/s^2 as measured; NaN: not measured.
             arrival: how k follows the sample before; None: it is found here.
+            upper_clipped, lower_clipped: (shape) bool; the sensor stands at an end of its range.
         """
         if arrival is None:
             arrival = self._tracker.classify(k)
@@ -191,18 +202,24 @@ class ControllerCore:
         elif arrival is Arrival.GAP and self._last is not None:
             self._missed += k - self._last.sequence - 1
         phase = plan.at(k)
-        measured = self._without_bias(phase, np.asarray(upper, float), np.asarray(lower, float))
+        measured = self._without_bias(
+            phase, np.asarray(upper, float), np.asarray(lower, float),
+            self._mask(upper_clipped), self._mask(lower_clipped),
+        )  # fmt: skip
         if phase not in {Phase.CALIBRATE, Phase.IDENTIFY}:
             self._hand_over_model()
         # in ADAPT the law shakes the strut on purpose
         scale, verdict = self.watch.step(
             measured.upper, self.guard.voltage, phase == Phase.CONTROL, phase in SILENT
         )
-        if verdict.any():
-            self.law.reset(verdict != Verdict.NONE)
+        free, begins, failed = self.clipping.step(measured.upper_clipped, phase == Phase.CONTROL)
+        scale = scale * free
+        begins = begins | (verdict != Verdict.NONE)
+        if begins.any():
+            self.law.reset(begins)
         demand = self.law.step(self._law_input(k, measured), phase)
         wish = self._wish(demand, scale, k, plan)
-        guarded, why = self._guard(wish, measured, verdict)
+        guarded, why = self._guard(wish, measured, verdict, failed)
         self._last = ControllerOutput(
             sequence=k,
             phase=phase,
@@ -222,15 +239,23 @@ class ControllerCore:
         )
         return self._last
 
-    def _without_bias(self, phase: Phase, upper: Array, lower: Array) -> '_Measured':
+    def _mask(self, where: ArrayLike) -> Mask:
+        """Give a mask of `shape`; that of most samples is made once."""
+        if where is False:
+            return self._nowhere
+        return np.broadcast_to(np.asarray(where, dtype=bool), self.shape)
+
+    def _without_bias(
+        self, phase: Phase, upper: Array, lower: Array, upper_clipped: Mask, lower_clipped: Mask
+    ) -> '_Measured':
         """Learn the biases in CALIBRATE, and take them away."""
         valid = np.isfinite(upper)
         whole = bool(valid.all())
         if phase == Phase.CALIBRATE:
             if self._checked_rest and self._faults.biasless.any():
                 self._calibrate_again()
-            self.calibration_upper.add(upper)
-            self.calibration_lower.add(lower)
+            self.calibration_upper.add(np.where(upper_clipped, np.nan, upper))
+            self.calibration_lower.add(np.where(lower_clipped, np.nan, lower))
         elif not self._checked_rest:
             self._checked_rest = True
             p, upper_bias = self.parameters, self.calibration_upper
@@ -243,7 +268,7 @@ class ControllerCore:
         lower = lower - self.calibration_lower.mean
         if not np.isfinite(lower).all():
             lower = np.where(np.isfinite(lower), lower, np.nan)
-        return _Measured(upper, lower, valid, whole)
+        return _Measured(upper, lower, valid, upper_clipped & valid, lower_clipped, whole)
 
     def _calibrate_again(self) -> None:
         """Forget the biases of a CALIBRATE that failed somewhere, for this is another one."""
@@ -265,6 +290,8 @@ class ControllerCore:
         frozen = self._saturated
         if self.watch.busy:
             frozen = frozen | self.watch.listening()
+        if self.clipping.busy:
+            frozen = frozen | self.clipping.paused
         return LawInput(
             sequence=k,
             upper=measured.upper,
@@ -273,6 +300,8 @@ class ControllerCore:
             saturated=frozen,
             valid=measured.valid,
             fade=self._fade,
+            upper_clipped=measured.upper_clipped,
+            lower_clipped=measured.lower_clipped,
         )
 
     def _wish(self, demand: Array, scale: Array, k: int, plan: PhasePlan) -> '_Wish':
@@ -290,15 +319,17 @@ class ControllerCore:
         if self.watch.busy:
             why = np.where(self.watch.reduced(), REDUCED, why)
             why = np.where(self.watch.listening(), LISTENING, why)
+        if self.clipping.busy:
+            why = np.where(self.clipping.paused, CLIPPED, why)
         return _Wish(demand * self._fade, state.reference, state.adapting, why)
 
     def _guard(
-        self, wish: '_Wish', measured: '_Measured', verdict: Integers
+        self, wish: '_Wish', measured: '_Measured', verdict: Integers, failed: Mask
     ) -> tuple[Guarded, Integers]:
         """Let the wish through the guard; give what came out and the reasons (shape)."""
         valid, whole = measured.valid, measured.whole
-        alarmed = self._faults.alarmed or bool(verdict.any()) or not whole
-        stop = self._causes(valid, verdict) if alarmed else None
+        alarmed = self._faults.alarmed or bool(verdict.any() or failed.any()) or not whole
+        stop = self._causes(valid, verdict, failed) if alarmed else None
         demand = wish.demand if whole else np.where(valid, wish.demand, 0.0)
         guarded = self.guard.apply(demand, False if stop is None else stop != 0)
         self._saturated = guarded.saturated
@@ -313,6 +344,6 @@ class ControllerCore:
             return 1.0
         return min((k - plan.start_of(k) + 1) / max(p.switch_on_time * p.sample_rate, 1.0), 1.0)
 
-    def _causes(self, valid: Mask, verdict: Integers) -> Integers:
+    def _causes(self, valid: Mask, verdict: Integers, blind: Mask) -> Integers:
         """What stops the voltage for good, as codes (shape); 0 for nothing."""
-        return self._faults.causes(valid, verdict, self.parameters.loss_limit)
+        return self._faults.causes(valid, verdict, blind, self.parameters.loss_limit)

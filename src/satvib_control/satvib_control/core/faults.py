@@ -15,6 +15,7 @@ LOST_LONG = reason('fault: the upper acceleration was missing for too long')
 RESTLESS = reason('fault: the upper sensor was not at rest in CALIBRATE')
 BIASED = reason('fault: the bias of the upper sensor in CALIBRATE is more than bias_limit')
 DIVERGED = reason('fault: the law made the strut louder than its open loop, three times')
+BLIND = reason('fault: the law drove the upper sensor to the ends of its range, three times')
 STOPPED = reason('fault: stopped from outside')
 
 
@@ -64,10 +65,18 @@ class Faults:
         self._reason = np.where(biasless != 0, biasless, self._reason)
         self.alarmed = self.alarmed or bool(biasless.any())
 
-    def causes(self, valid: Mask, verdict: Integers, loss_limit: int) -> Integers:
-        """Take a sample; give what stops the voltage for good, as codes (shape); 0 for nothing."""
+    def causes(self, valid: Mask, verdict: Integers, blind: Mask, loss_limit: int) -> Integers:
+        """Take a sample; give what stops the voltage for good, as codes (shape); 0 for nothing.
+
+        Args:
+            valid: shape, the upper acceleration was measured.
+            verdict: shape, of the vibration watch.
+            blind: shape, the clipping watch has given the law up.
+            loss_limit: missing samples in a row that stop the strut.
+        """
         self._lost = np.where(valid, 0, self._lost + 1)
         cause = np.where(self._lost >= loss_limit, LOST_LONG, 0)
+        cause = np.where(blind, BLIND, cause)
         cause = np.where(verdict == Verdict.FAILED, DIVERGED, cause)
         cause = np.where(self._stopped, STOPPED, cause)
         return np.where(self._reason != 0, self._reason, cause)

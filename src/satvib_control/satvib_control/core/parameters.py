@@ -49,6 +49,13 @@ class CoreParameters(LawParameters):
         unit='samples',
         minimum=1,
     )
+    clipping_limit: float = param(
+        0.1,
+        'share of clipped samples of the upper sensor, over about a second, above which the law is taken off; 1: never',
+        above=0.0,
+        maximum=1.0,
+        read_only=True,
+    )
     rms_window: float = param(
         1.0, 'window of the running RMS', unit='s', above=0.0, maximum=600.0, read_only=True
     )

@@ -42,6 +42,8 @@ class LawInput:
         valid: shape, bool; the upper acceleration was measured. Nothing is learnt where it was not.
         fade: shape; share of the demand of the sample before that went to the guard: less than 1 at the start of
             CONTROL and where the divergence watch reduces it, 0 in the phases without a law.
+        upper_clipped, lower_clipped: shape, bool; the sensor stands at an end of its range, so the acceleration is at
+            least what is given. Nothing is learnt from it.
     """
 
     sequence: int
@@ -51,6 +53,8 @@ class LawInput:
     saturated: Mask
     valid: Mask
     fade: Array | float = 1.0
+    upper_clipped: Mask | np.bool_ = np.False_
+    lower_clipped: Mask | np.bool_ = np.False_
 
 
 @dataclass

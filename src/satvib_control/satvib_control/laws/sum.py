@@ -19,6 +19,8 @@ Gain budget. |S| of all parts together must stay below 1 / modulus_margin. The |
 n loops gets the n-th root of it. Feedforward closes no loop and needs none of it.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.phases import Phase
@@ -88,7 +90,7 @@ class LawSum(BasicLaw[LawParameters]):
         total = np.zeros(self.shape)
         for i, law in enumerate(self.parts):
             upper = without if law.cancels else x.upper
-            part = LawInput(x.sequence, upper, x.lower, shares[i], x.saturated, x.valid, x.fade)
+            part = replace(x, upper=upper, applied=shares[i])
             self._demands[i] = law.step(part, phase)
             total = total + self._demands[i]
         self._show()

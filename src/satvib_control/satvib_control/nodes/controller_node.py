@@ -145,11 +145,11 @@ class ControllerNode(SatvibNode[P]):
     ) -> None:
         """Publish voltage and state of every strut for the sample of number k."""
         start = time.perf_counter()
-        upper, lower = (
+        upper, lower, *clipped = (
             np.array([getattr(sample, name) for sample in samples]).reshape(self.core.shape)
-            for name in ('upper', 'lower')
+            for name in ('upper', 'lower', 'upper_clipped', 'lower_clipped')
         )
-        output = self.core.step(k, plan, upper, lower, arrival)
+        output = self.core.step(k, plan, upper, lower, arrival, *clipped)
         for i, (place, sample) in enumerate(zip(self.places, samples, strict=True)):
             v = self.voltages[i]
             v.header, v.sequence = sample.header, k

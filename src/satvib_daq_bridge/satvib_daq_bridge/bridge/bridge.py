@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from satvib_common.arrays import Array, Integers
+from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.errors import SatvibError
 
 from satvib_daq_bridge.bridge.bias import SensorBias
@@ -35,12 +35,15 @@ class Published:
         sequence: from the beginning of the run.
         time: s of the monotonic clock, when it was taken.
         upper, lower: (struts) m/s^2 without bias; NaN where there is no sensor.
+        upper_clipped, lower_clipped: (struts) the sensor stands at an end of its range.
     """
 
     sequence: int
     time: float
     upper: Array
     lower: Array
+    upper_clipped: Mask
+    lower_clipped: Mask
 
 
 class Bridge:
@@ -242,8 +245,16 @@ class Bridge:
             return None
         self.published = sequence
         corrected = self.bias.correct(acceleration)
-        lower = np.append(corrected, math.nan)[self._lower]
-        return Published(sequence, taken.time, corrected[: len(self.struts)], lower)
+        clipped = self.sensors.clipped(taken.volts, self.bias.value)
+        count = len(self.struts)
+        return Published(
+            sequence,
+            taken.time,
+            upper=corrected[:count],
+            lower=np.append(corrected, math.nan)[self._lower],
+            upper_clipped=clipped[:count],
+            lower_clipped=np.append(clipped, False)[self._lower],
+        )
 
     def _watch(self, taken: link.Taken) -> None:
         wrong = self.sensors.watch(taken.volts)

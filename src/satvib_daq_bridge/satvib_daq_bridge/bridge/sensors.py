@@ -4,6 +4,11 @@
 
     acceleration = polarity (volts - zero_voltage) / sensitivity
 
+A reading is *clipped* where the sensor or its converter stands at an end of its range, or nearer to it than a small
+share of the range: there the acceleration is at least what the reading says. The range of a sensor is often smaller
+than that of its converter: 0.5 to 4.5 V of 0 to 5 V. It is counted from the sensor's own zero, which its measured bias
+says. `satvib_plant_sim.physics.converters` has the same rule.
+
 A sensor is at fault when its reading is no number or one that its converter cannot give (beyond the range), when it
 stands at an end of the converter's range (railed: a broken wire, no supply), or when it repeats one value for
 `stuck_time` (a frozen converter; noise moves a live one). A device that stops sampling gives no reading; the caller
@@ -41,6 +46,8 @@ class Sensors:
         margin = np.maximum(_MARGIN * (high - low), [c.step for c in channels])
         self._low, self._high = low + margin, high - margin
         self._lowest, self._highest = low - margin, high + margin
+        self._range = np.array([c.sensor_range or np.inf for c in channels])
+        self._rest = np.array([c.rest for c in channels])
         self._railed_samples = railed_samples
         self._stuck_samples = np.array(
             [max(round(c.stuck_time * rate), 2) if c.stuck_time else np.inf for c in channels]
@@ -59,6 +66,13 @@ class Sensors:
 
     def _impossible(self, volts: Array) -> Mask:
         return ~((volts >= self._lowest) & (volts <= self._highest))
+
+    def clipped(self, volts: Array, bias: Array) -> Mask:
+        """Give where (inputs) a reading (V) is clipped; `bias` is what each sensor reads at rest, m/s^2."""
+        shown = self.acceleration(volts) - (bias - self._rest)
+        at_end = np.abs(shown) >= (1.0 - _MARGIN) * self._range
+        railed = (volts <= self._low) | (volts >= self._high)
+        return np.asarray((at_end | railed) & ~self._impossible(volts))
 
     def watch(self, volts: Array) -> str:
         """Take one reading (inputs, V); gives the fault, empty without one."""

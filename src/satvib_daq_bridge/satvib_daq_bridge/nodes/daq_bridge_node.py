@@ -145,6 +145,8 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
             set_stamp(message.header.stamp, stamp)
             message.sequence = published.sequence
             message.upper, message.lower = float(published.upper[i]), float(published.lower[i])
+            message.upper_clipped = bool(published.upper_clipped[i])
+            message.lower_clipped = bool(published.lower_clipped[i])
             out.publish(message)
 
     def _others(self) -> str:

@@ -37,6 +37,7 @@ def channels_of(
         'bits': q.input_bits,
         'sensitivity': a.sensitivity,
         'zero_voltage': a.zero_voltage,
+        'sensor_range': a.range,
         'zero_tolerance': max(a.zero_tolerance, 0.01) * 1.5,
         'noise_limit': max(a.noise_rms * 5.0, 0.05),
         # a simulated sensor without noise repeats itself

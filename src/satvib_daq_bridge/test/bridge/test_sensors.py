@@ -71,6 +71,43 @@ def test_one_railed_sample_is_no_fault(make_channels):
         assert not sensors.watch(reading)
 
 
+@pytest.mark.parametrize('polarity', [1, -1])
+def test_readings_beyond_the_range_of_the_sensor_are_marked(make_channels, polarity):
+    """Truth: 4 g of 0.5 V/g about 2.5 V are 0.5 and 4.5 V, far from the ends of a converter of +-5 V; the mark begins
+    half a percent of the range before them. The sensor's own zero, 0.1 V off, moves both ends by 0.1 V."""
+    sensor = {'sensitivity': 0.050986, 'sensor_range': 39.2266, 'polarity': polarity}
+    sensors = Sensors(make_channels(struts=1, sensor=sensor).inputs, RATE)
+    ends = 0.050986 * 39.2266 * 0.995
+    volts = np.array([-ends - 1e-6, -ends + 1e-6, 0.0, ends - 1e-6, ends + 1e-6])
+    for offset in (0.0, 0.1):
+        bias = sensors.acceleration(np.full(2, 2.5 + offset))
+        found = [sensors.clipped(np.full(2, 2.5 + offset + v), bias)[0] for v in volts]
+        assert found == [True, False, False, False, True]
+
+
+def test_gravity_uses_up_a_part_of_the_range(make_channels):
+    """Truth: a sensor of 4 g that rests at 1 g clips 3 g above its rest and 5 g below it."""
+    g = 9.80665
+    sensor = {'sensitivity': 0.5 / g, 'sensor_range': 4 * g, 'rest': g}
+    sensors = Sensors(make_channels(struts=1, sensor=sensor).inputs, RATE)
+    bias = np.full(2, g)
+    volts = 2.5 + 0.5 * np.array([3.97, 3.99, -3.97, -3.99])
+    assert [sensors.clipped(np.full(2, v), bias)[0] for v in volts] == [False, True, False, True]
+
+
+def test_without_a_range_only_the_ends_of_the_converter_are_marked(make_channels):
+    sensors = Sensors(make_channels(struts=1, sensor={'sensor_range': 0.0}).inputs, RATE)
+    zero = np.zeros(2)
+    assert [sensors.clipped(np.full(2, v), zero)[0] for v in (0.5, 4.5, 4.96, -4.96)] == [
+        False, False, True, True,
+    ]  # fmt: skip
+
+
+def test_a_range_that_does_not_hold_the_rest_is_refused(make_channels):
+    with pytest.raises(SatvibError, match=r'sensor_range: 9 m/s\^2 does not hold'):
+        make_channels(struts=1, sensor={'rest': 9.80665, 'sensor_range': 9.0})
+
+
 def test_the_bias_is_learnt_in_one_second_and_then_left_alone(make_channels):
     """Truth: 100 samples of known offset; the mean's error is below 5 standard errors."""
     inputs = make_channels(struts=1).inputs

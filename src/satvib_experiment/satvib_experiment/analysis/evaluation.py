@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from satvib_common.arrays import Array
+from satvib_common.arrays import Array, Integers
 from satvib_common.levels import decibel, rms
 from satvib_common.phases import Phase
 
@@ -41,6 +41,7 @@ class Evaluation:
         largest_amplification: dB, largest ratio of the moving RMS to that of the open-loop twin.
         largest_voltage: V.
         saturated_share: part of the samples under control at which the guard stepped in.
+        clipped: by sensor ('upper', 'lower'), samples of the whole run at an end of its range, (struts,).
         reference, reference_source: figures to compare with, from the scenario.
         notes: what a reader must know, in sentences.
     """
@@ -57,6 +58,7 @@ class Evaluation:
     largest_amplification: Array
     largest_voltage: Array
     saturated_share: Array
+    clipped: dict[str, Integers]
     reference: tuple[float, ...] = ()
     reference_source: str = ''
     notes: list[str] = field(default_factory=list)
@@ -101,6 +103,7 @@ def evaluate(recording: Recording, open_loop: Recording | None = None) -> Evalua
         largest_amplification=amplification,
         largest_voltage=_largest_voltage(recording),
         saturated_share=_share(recording, control),
+        clipped={sensor: _clipped(recording, sensor) for sensor in ('upper', 'lower')},
         reference=scenario.analysis.reference if scenario else (),
         reference_source=scenario.analysis.reference_source if scenario else '',
     )
@@ -207,3 +210,10 @@ def _share(recording: Recording, control: NDArray[Any]) -> Array:
     if not recording.has('voltage') or not control.any():
         return np.full(len(recording.struts), np.nan)
     return np.asarray(recording.get('voltage', 'saturated')[control].mean(axis=0))
+
+
+def _clipped(recording: Recording, sensor: str) -> Integers:
+    """Clipped samples (struts); 0 in a bag that is older than the mark."""
+    if not recording.has('acceleration', f'{sensor}_clipped'):
+        return np.zeros(len(recording.struts), dtype=np.int64)
+    return np.asarray(np.count_nonzero(recording.get('acceleration', f'{sensor}_clipped'), axis=0))

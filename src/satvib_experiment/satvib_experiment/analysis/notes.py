@@ -22,6 +22,7 @@ def notes_for(recording: Recording, evaluation: Evaluation) -> list[str]:
     return [
         *_apart(evaluation),
         *_worse(evaluation),
+        *_clipping(recording, evaluation),
         *_limits(evaluation),
         *_reasons(recording),
         *_losses(recording),
@@ -76,6 +77,23 @@ def _worse(evaluation: Evaluation) -> list[str]:
             f'(by up to {largest:.1f} dB in RMS).'
         )
     ]
+
+
+def _clipping(recording: Recording, evaluation: Evaluation) -> list[str]:
+    """Name the struts whose sensors stood at an end of their range: there the samples say less than there was."""
+    sentences = []
+    for sensor, counts in evaluation.clipped.items():
+        if not np.any(counts):
+            continue
+        listed = '; '.join(
+            f'{_label(evaluation, i)} {counts[i]} of {len(recording.sequence)} samples'
+            for i in np.flatnonzero(counts)
+        )
+        sentences.append(
+            f"The {sensor} sensor clipped at an end of its range: {listed}. There the acceleration was larger than "
+            'measured; judge by the true figures, or take a sensor with a larger range.'
+        )
+    return sentences
 
 
 def _limits(evaluation: Evaluation) -> list[str]:

@@ -33,6 +33,14 @@ def read_strut(path: Path, strut_number: int) -> MeasuredRecord:
     u = recording.get('voltage', 'voltage')[window, strut_number - 1]
     y = without_bias(recording, window)[:, strut_number - 1]
     notes = []
+    if recording.has('acceleration', 'upper_clipped'):
+        clipped = recording.get('acceleration', 'upper_clipped')[window, strut_number - 1]
+        y = np.where(clipped, np.nan, y)
+        if clipped.any():
+            notes.append(
+                f'{np.count_nonzero(clipped)} of {len(u)} samples clipped at an end of the range of the upper sensor: '
+                'left out'
+            )
     if gaps := int((~np.isfinite(u) | ~np.isfinite(y)).sum()):
         notes.append(f'{gaps} of {len(u)} samples lack a value: gaps; nothing is taken across them')
     notes += check_signal('input', u) + check_signal('output', y)

@@ -72,6 +72,7 @@ def _strut(context: Context, i: int) -> dict[str, Any]:
         'largest_amplification': e.largest_amplification[i],
         'largest_voltage': e.largest_voltage[i],
         'saturated_share': e.saturated_share[i],
+        'clipped': {sensor: counts[i] for sensor, counts in e.clipped.items()},
         'model': model_summary(context, i),
     }
 

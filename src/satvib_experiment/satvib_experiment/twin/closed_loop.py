@@ -125,9 +125,12 @@ class ClosedLoop:
                     identification.reasons,
                     identification.covariance,
                 )
-            output = self.controller.step(k, self.plan, sample.upper, sample.lower)
+            clipped = sample.upper_clipped, sample.lower_clipped
+            output = self.controller.step(k, self.plan, sample.upper, sample.lower, None, *clipped)
             self._voltages.append(self._known(output.voltage))
-            identification = self.identifier.step(k, phase, sample.upper, self._voltages[0])
+            identification = self.identifier.step(
+                k, phase, sample.upper, self._voltages[0], clipped=sample.upper_clipped
+            )
             truth = self.plant.advance(output.voltage)
             yield LoopStep(k, phase, sample, identification, output, truth)
 

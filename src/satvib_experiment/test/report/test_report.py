@@ -143,3 +143,21 @@ def test_a_run_whose_rig_and_law_are_elsewhere_gets_its_report(quick_run, tmp_pa
     here, _ = analyse(quick_run)
     for i, strut in enumerate(report.result['struts']):
         assert strut['attenuation']['true_rms'] == here.attenuation['true_rms'][i]
+
+
+def test_clipped_samples_are_a_finding(quick_run, tmp_path):
+    """Truth: the marks in the recording, counted by hand; a bag older than the mark counts none."""
+    marks = np.zeros_like(quick_run.get('acceleration', 'upper_clipped'))
+    marks[100:137, 1] = True
+    measured = quick_run.groups['acceleration'] | {'upper_clipped': marks}
+    run = replace(quick_run, groups=quick_run.groups | {'acceleration': measured})
+    result = write_report(run, tmp_path / 'marked').result
+    assert [s['clipped'] for s in result['struts']] == [
+        {'upper': 0, 'lower': 0}, {'upper': 37, 'lower': 0}, {'upper': 0, 'lower': 0},
+    ]  # fmt: skip
+    found = [note for note in result['notes'] if 'clipped' in note]
+    assert len(found) == 1
+    assert 'upper sensor clipped at an end of its range: strut 2 37 of 400 samples' in found[0]
+    older = {k: v for k, v in measured.items() if not k.endswith('_clipped')}
+    run = replace(quick_run, groups=quick_run.groups | {'acceleration': older})
+    assert [s['clipped']['upper'] for s in write_report(run, tmp_path / 'old').result['struts']] == [0] * 3

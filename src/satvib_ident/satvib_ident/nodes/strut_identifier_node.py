@@ -111,7 +111,10 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
     def _identify(self, sample: StrutAcceleration, voltage: float, arrival: Arrival) -> None:
         k, p = sample.sequence, self.parameters
         phase = Phase.STANDBY if self.plan is None else self.plan.at(k)
-        found = self.core.step(k, phase, np.asarray(sample.upper), np.asarray(voltage), arrival)
+        found = self.core.step(
+            k, phase, np.asarray(sample.upper), np.asarray(voltage), arrival,
+            np.asarray(sample.upper_clipped),
+        )  # fmt: skip
         handed = self.plan is not None and self.plan.is_hand_over(k + 1, p.model_period)
         if phase in self.phases or handed:
             self._publish(sample, found)

@@ -38,6 +38,8 @@ class StrutMessages:
         set_stamp(m.header.stamp, stamp)
         m.sequence = sample.sequence
         m.upper, m.lower = float(sample.upper[i]), float(sample.lower[i])
+        m.upper_clipped = bool(sample.upper_clipped[i])
+        m.lower_clipped = bool(sample.lower_clipped[i])
         return m
 
     def happened(self, truth: Truth, sequence: int, stamp: int) -> Any:

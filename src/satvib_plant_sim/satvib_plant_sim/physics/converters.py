@@ -8,6 +8,9 @@ V_0 and the sensor's own bias b,
     volts = V_0 + S (b + s clip(y + e, +-range)),  code = floor(volts / lsb + 1/2) within +-full scale,
     reading = (code lsb - V_0) / S.
 
+A reading is *clipped* where the sensor or its converter stands at an end of its range, or nearer to it than `MARGIN` of
+the range: there the acceleration is at least what the reading says. `satvib_daq_bridge` has the same rule.
+
 Output: volts / gain is limited and quantized in the same way, multiplied by the amplifier's gain, and limited to the
 amplifier's range.
 """
@@ -21,6 +24,8 @@ from satvib_common.kernels.compile import kernel
 
 from satvib_plant_sim.rig.rig import Rig
 from satvib_plant_sim.rig.streams import Stream
+
+MARGIN = 0.005  # of a range; nearer to its end a reading counts as clipped
 
 
 @njit
@@ -82,22 +87,25 @@ def lsb(full_scale: float, bits: int) -> float:
 
 
 @kernel(
-    'void(f8[:],f8[:],f8[:],f8[:],f8[:,:],f8[:])',
-    '(r),(s),(m),(m),(m,q)->(m)',
+    'void(f8[:],f8[:],f8[:],f8[:],f8[:,:],f8[:],f8[:])',
+    '(r),(s),(m),(m),(m,q)->(m),(m)',
 )
-def read_input(chains, settings, bias, scale, noise, reading):
+def read_input(chains, settings, bias, scale, noise, reading, clipped):
     """Read the 2n converters (upper, then lower) from the ends of the sensor chains (4) and the noise states (2n, c).
 
-    Chain i belongs to upper sensor i; chain n serves all lower sensors.
+    Chain i belongs to upper sensor i; chain n serves all lower sensors. `clipped` is 1 where a reading is clipped.
     """
     n = bias.shape[0] // 2
     last = noise.shape[1] - 1
     s = InputSettings(settings[0], settings[1], settings[2], settings[3], settings[4])
     for i in range(2 * n):
         y = chains[min(n, i)] + noise[i, last]
+        at_end = abs(y) >= (1.0 - MARGIN) * s.range
         y = scale[i] * min(max(y, -s.range), s.range)
         volts = s.zero_voltage + s.sensitivity * (bias[i] + y)
         volts = _converted(volts, s.full_scale, s.lsb)
+        railed = abs(volts) >= s.full_scale - max(2.0 * MARGIN * s.full_scale, s.lsb)
+        clipped[i] = 1.0 if at_end or railed else 0.0
         reading[i] = (volts - s.zero_voltage) / s.sensitivity
 
 

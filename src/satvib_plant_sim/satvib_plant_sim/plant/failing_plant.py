@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -84,7 +85,11 @@ class FailingPlant:
         if not self._blind.any():
             return sample
         blind = self._blind.reshape(*self.shape, self.struts)
-        return Sample(sample.sequence, np.where(blind, np.nan, sample.upper), sample.lower)
+        return replace(
+            sample,
+            upper=np.where(blind, np.nan, sample.upper),
+            upper_clipped=sample.upper_clipped & ~blind,
+        )
 
     def advance(self, voltage: ArrayLike, arrival: ArrayLike | None = None) -> Truth:
         """Go on to the next sample; voltages of killed controllers are ignored."""

@@ -57,6 +57,7 @@ class IirPlant:
         self._bias = np.array([[r.bias] for r in rigs])
         self._normal = NormalSource(seeds, Stream.NOISE, n)
         self._nothing = np.full((*self.shape, n), np.nan)
+        self._never = np.zeros((*self.shape, n), dtype=bool)  # a sampled model has no range
         self.terminal_voltage = np.zeros((*self.shape, n))
         self._output = np.zeros((trials, n))
         self._see(np.zeros((trials, n)))
@@ -75,7 +76,7 @@ class IirPlant:
         step = np.where(coarse, self._quantum, 1.0)
         reading = np.where(coarse, np.floor(reading / step + 0.5) * step, reading)
         upper = reading.reshape(*self.shape, self.struts)
-        return Sample(sequence=self.sequence, upper=upper, lower=self._nothing)
+        return Sample(self.sequence, upper, self._nothing, self._never, self._never)
 
     def advance(self, voltage: ArrayLike, arrival: ArrayLike | None = None) -> Truth:  # noqa: ARG002
         """Go on to the next sample.

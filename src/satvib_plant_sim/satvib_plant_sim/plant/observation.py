@@ -4,7 +4,7 @@
 
 from dataclasses import dataclass
 
-from satvib_common.arrays import Array
+from satvib_common.arrays import Array, Mask
 
 
 @dataclass(frozen=True)
@@ -14,11 +14,14 @@ class Sample:
     Attributes:
         sequence: index of the sample.
         upper, lower: (*shape, struts) m/s^2, with bias, noise and quantization.
+        upper_clipped, lower_clipped: (*shape, struts) the sensor stands at an end of its range.
     """
 
     sequence: int
     upper: Array
     lower: Array
+    upper_clipped: Mask
+    lower_clipped: Mask
 
 
 @dataclass(frozen=True)

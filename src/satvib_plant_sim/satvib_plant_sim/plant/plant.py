@@ -149,13 +149,16 @@ class Plant:
     def sample(self) -> Sample:
         """Read the converters at the present sample; asking again gives the same."""
         chains = self._state[:, -LANES:]
-        reading = read_input(chains, self._input, self._bias, self._scale, self._noise)
+        reading, ends = read_input(chains, self._input, self._bias, self._scale, self._noise)
+        clipped = ends > 0.0
         n = self.struts
         shape = (*self.shape, n)
         return Sample(
             sequence=self.sequence,
             upper=reading[:, :n].reshape(shape),
             lower=reading[:, n:].reshape(shape),
+            upper_clipped=clipped[:, :n].reshape(shape),
+            lower_clipped=clipped[:, n:].reshape(shape),
         )
 
     def advance(self, voltage: ArrayLike, arrival: ArrayLike | None = None) -> Truth:

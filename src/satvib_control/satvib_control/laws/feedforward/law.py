@@ -48,6 +48,7 @@ BACKED_OFF = reason('feedforward: backed off, the error had grown')
 GAVE_UP = reason('feedforward: given up, the error grew again and again: 0 V')
 SMALL = reason('feedforward: adaptation frozen: the reference is too small')
 SATURATED = reason('adaptation frozen: the voltage is saturated')
+CLIPPED = reason('feedforward: adaptation frozen: a sensor clips at its range')
 
 POLE_RADIUS = 0.99  # that the poles of filtered_u stay inside
 CUT = 1e-6  # V; less is rounding
@@ -86,6 +87,7 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
         self._least_squares = LeastSquares(size, shape)
         self.backoff = Backoff(shape)
         self._boost = np.ones(shape)
+        self._clipped = np.zeros(shape)  # samples until the regressor has no clipped one
         self._demand = np.zeros(shape)
         self._phase, self._sequence = Phase.STANDBY, -1
         self.state.reason = np.full(shape, NO_MODEL)
@@ -121,17 +123,18 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
             lower, x.applied, own, self.protection.reaction, self.weights
         )
         able = ~self.reference.missing & (self.reference.filling <= 0.0)
+        whole = self._unclipped(x)
         alone = Phase.IDENTIFY not in {phase, self._phase}
         # cut by the limit, and not only because another law has its share
         cut = x.saturated & acted & (np.abs(x.applied - self._demand * x.fade) > CUT)
         effect_of_law = np.where(acted, effect, 0.0)
         backoff, loud = self.backoff.step(
-            x.upper, reference, effect_of_law, cut, x.valid & able & alone, acting
+            x.upper, reference, effect_of_law, cut, x.valid & whole & able & alone, acting
         )
         self._phase = phase
         able = able & self.reference.known
         learns = (backoff == BackoffState.ACT) | (backoff == BackoffState.LISTEN)
-        active = able & learns & loud & x.valid & ~x.saturated & acting
+        active = able & learns & loud & x.valid & whole & ~x.saturated & acting
         predicted = x.upper - effect
         error = predicted + dot(self.weights, self.reference.state.filtered)
         self._adapt(error, active)
@@ -141,12 +144,20 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
         state = self.state
         state.reference, state.model_output, state.error = reference, predicted, x.upper
         state.adapting = active
-        state.reason = self._why(backoff, loud, x.saturated & acted)
+        state.reason = self._why(backoff, loud, x.saturated & acted, ~whole)
         return self._demand
 
-    def _why(self, backoff: Integers, loud: Mask, saturated: Mask) -> Integers:
+    def _unclipped(self, x: LawInput) -> Mask:
+        """Where (shape) neither the upper sample nor one of those in the regressor is clipped."""
+        taps = float(self.parameters.feedforward_taps)
+        left = np.where(x.lower_clipped, taps, np.maximum(self._clipped - 1.0, 0.0))
+        self._clipped = left
+        return np.asarray((left == 0.0) & ~x.upper_clipped)
+
+    def _why(self, backoff: Integers, loud: Mask, saturated: Mask, clipped: Mask) -> Integers:
         """Code of the reason; of several the last in this order."""
         why: Integers = np.where(loud, np.where(saturated, SATURATED, 0), SMALL)
+        why = np.where(clipped, CLIPPED, why)
         listening = (backoff == BackoffState.LISTEN) | (backoff == BackoffState.RING_DOWN)
         backing = (backoff == BackoffState.FADE) | (backoff == BackoffState.RESTART)
         for case, code in (

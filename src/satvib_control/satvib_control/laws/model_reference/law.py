@@ -57,6 +57,7 @@ from satvib_control.model_analysis.gain_projection import ray
 NO_MODEL = reason('no trusted identified model: 0 V')
 UNATTAINABLE = reason('the wanted damping is not attainable within the modulus margin')
 SATURATED = reason('adaptation frozen: the voltage is saturated')
+CLIPPED = reason('adaptation frozen: the upper sensor clips')
 UNTUNED = reason('the gain is still 0: no ADAPT so far, and adapt_in_control is off')
 IDLE = reason('adaptation frozen: not excited')
 
@@ -145,10 +146,11 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
         state.sensitivity, state.adapting = eta[..., self._shown], np.zeros(self.shape, dtype=bool)
         why = np.where(design.attainable, 0, UNATTAINABLE)
         if adapt or (phase == Phase.CONTROL and self.parameters.adapt_in_control):
-            learn = x.valid & ~x.saturated & self._known
+            learn = x.valid & ~x.upper_clipped & ~x.saturated & self._known
             state.adapting = self._adapt(learn, error_pass, eta_pass)
             self._untuned = self._untuned & ~state.adapting
-            why = np.where(state.adapting, why, np.where(x.saturated, SATURATED, IDLE))
+            frozen = np.where(x.saturated, SATURATED, np.where(x.upper_clipped, CLIPPED, IDLE))
+            why = np.where(state.adapting, why, frozen)
         elif phase == Phase.CONTROL:
             kp, ki = self._memory.gains[..., Gain.KP], self._memory.gains[..., Gain.KI]
             why = np.where(self._untuned & (ki == 0.0) & (kp == 0.0), UNTUNED, why)

@@ -134,9 +134,10 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
         row = self._past[..., self._next, :]
         row[..., Past.UPPER] = x.upper
         row[..., Past.APPLIED] = x.applied
-        row[..., Past.VALID] = x.valid
+        measured = x.valid & ~x.upper_clipped
+        row[..., Past.VALID] = measured
         self._next = (self._next + 1) % self._past.shape[-2]
-        valid = np.where(self._model.known, np.where(x.valid, 1.0, 0.0), -1.0)
+        valid = np.where(self._model.known, np.where(measured, 1.0, 0.0), -1.0)
         act = np.where((phase == Phase.CONTROL) & self._model.known, 1.0, 0.0)
         u = narrowband_step(
             *self._design(), *self._memory, x.upper, x.applied, valid, act, self._shown
