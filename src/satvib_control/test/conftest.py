@@ -65,7 +65,10 @@ class Loop:
         self.k = 0
 
     def step(self, disturbance=0.0, lower=0.0, clipped=(False, False)):
-        """One sample; `clipped`: of the upper and of the lower sensor. the plant's numerator begins with the delay, so u(k) is filtered in after y(k) is read."""
+        """One sample; `clipped`: of the upper and of the lower sensor.
+
+        The plant's numerator begins with the delay, so u(k) is filtered in after y(k) is read.
+        """
         # with delay >= 1 the direct term is zero and the filter's state already holds y(k)'s part
         y = self.plant.state[..., 0] + disturbance
         if self.identified is not None and self.plan.is_hand_over(self.k, 0):

@@ -12,6 +12,7 @@ from satvib_common.phases import Phase, PhasePlan
 from satvib_control.core.centralized import make_core
 from satvib_control.core.clipping_watch import STRIKES, ClippingWatch
 from satvib_control.core.controller import ControllerCore
+from satvib_control.laws.base import BasicLaw
 from satvib_control.laws.centralized.parameters import CentralizedParameters
 
 RATE = 100.0
@@ -25,23 +26,14 @@ def own_law(settings, **changes):
     )
 
 
-class Loud:
+class Loud(BasicLaw):
     """Asks for 1 V always, and counts its resets."""
 
-    needs_model = closes_loop = cancels = False
+    resets = 0
 
-    def __init__(self, parameters, dt, shape=()):
-        from satvib_control.laws.base import LawState
-
-        self.shape, self.state, self.resets = shape, LawState(shape), np.zeros(shape)
-
-    def step(self, x, phase):
+    def step(self, x, phase):  # noqa: ARG002 - the interface
         self.seen = x
         return np.ones(self.shape)
-
-    def set_model(self, model, trusted, covariance=None): ...
-
-    def apply(self, parameters): ...
 
     def reset(self, mask=True):
         self.resets = self.resets + np.broadcast_to(mask, self.shape)
@@ -101,9 +93,7 @@ def test_a_law_that_drives_the_sensor_to_its_ends_is_stopped_the_third_time(sett
     u, voltages, out = 0.0, [], None
     for k in range(len(quiet)):
         y = loud[k] if u > 0.5 else quiet[k]
-        out = core.step(
-            k, ALWAYS, np.clip(y, -RANGE, RANGE), np.array(0.0), None, abs(y) >= RANGE
-        )
+        out = core.step(k, ALWAYS, np.clip(y, -RANGE, RANGE), np.array(0.0), None, abs(y) >= RANGE)
         u = float(out.voltage)
         voltages.append(u)
     begins = np.count_nonzero(np.diff((np.array(voltages) > 0.5).astype(int)) == 1)
@@ -124,7 +114,9 @@ def test_the_share_of_one_switches_it_off(settings):
 
 def test_a_strut_of_a_batch_has_the_bits_of_its_single_run():
     rng = np.random.default_rng([6, 0])
-    clipped = rng.random((3000, 3)) < np.array([0.0, 0.08, 0.5]) * (np.arange(3000) % 1000 < 500)[:, None]
+    clipped = (
+        rng.random((3000, 3)) < np.array([0.0, 0.08, 0.5]) * (np.arange(3000) % 1000 < 500)[:, None]
+    )
     together = ClippingWatch(0.1, 0.01, (3,))
     alone = [ClippingWatch(0.1, 0.01) for _ in range(3)]
     for row in clipped:

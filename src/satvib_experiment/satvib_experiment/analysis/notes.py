@@ -90,7 +90,7 @@ def _clipping(recording: Recording, evaluation: Evaluation) -> list[str]:
             for i in np.flatnonzero(counts)
         )
         sentences.append(
-            f"The {sensor} sensor clipped at an end of its range: {listed}. There the acceleration was larger than "
+            f'The {sensor} sensor clipped at an end of its range: {listed}. There the acceleration was larger than '
             'measured; judge by the true figures, or take a sensor with a larger range.'
         )
     return sentences

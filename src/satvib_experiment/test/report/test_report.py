@@ -160,4 +160,6 @@ def test_clipped_samples_are_a_finding(quick_run, tmp_path):
     assert 'upper sensor clipped at an end of its range: strut 2 37 of 400 samples' in found[0]
     older = {k: v for k, v in measured.items() if not k.endswith('_clipped')}
     run = replace(quick_run, groups=quick_run.groups | {'acceleration': older})
-    assert [s['clipped']['upper'] for s in write_report(run, tmp_path / 'old').result['struts']] == [0] * 3
+    assert [
+        s['clipped']['upper'] for s in write_report(run, tmp_path / 'old').result['struts']
+    ] == [0] * 3
