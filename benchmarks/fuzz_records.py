@@ -10,15 +10,8 @@ files that took more than two seconds. The last three must be 0.
     .venv/bin/python benchmarks/fuzz_records.py --files 100000
 """
 
-import argparse
-import collections
-import resource
-import tempfile
-import time
-from pathlib import Path
-
 import numpy as np
-from satvib_common.errors import SatvibError
+from fuzzing import arguments_of, judged, run
 from satvib_common.records.record import text_record
 from satvib_ident.models.iir_model import IirModel
 from satvib_ident.offline.order_search import identify
@@ -111,67 +104,39 @@ def _damaged_rows(generator, rows, damage):
     return rows
 
 
-def outcome(path, damage, unit):
+def outcome(path, unit):
     """What is made of a file, in a word."""
-    try:
-        record = text_record(path, 'u', 'y')
-        result = identify(record.y, record.u, record.dt, [(2, 3, 0)])
-    except SatvibError as error:
-        if '\n' in str(error).replace(str(path), ''):
-            return 'ERROR: several lines'
-        return 'refused'
-    except Exception as error:  # noqa: BLE001 - what is looked for
-        return f'ERROR: {type(error).__name__}: {error}'[:120]
-    a = result.model.a
-    right = np.allclose(a, PLANT.a, atol=0.02) and np.allclose(
+    what, found = judged(lambda: _model(path))
+    if found is None:
+        return what
+    record, result = found
+    right = np.allclose(result.model.a, PLANT.a, atol=0.02) and np.allclose(
         result.model.b / unit, PLANT.b, atol=0.05
     )
     if right:
         return 'right'
     if not result.trusted:
         return 'wrong, not trusted'
-    del damage
     notes = [
         n
         for n in record.notes
-        if 'sample period' not in n and 'read ' not in n and 'units' not in n
+        if not any(word in n for word in ('sample period', 'read ', 'units'))
     ]
     return 'wrong, said' if notes else 'WRONG, NOT SAID'
 
 
-def main():
-    """Print the counts."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument('--files', type=int, default=1000)
-    parser.add_argument('--seed', type=int, default=1)
-    parser.add_argument('--keep', type=Path, help='folder for files that nothing is said about')
-    arguments = parser.parse_args()
-    counts = {damage: collections.Counter() for damage in DAMAGES}
-    slowest = 0.0
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / 'r.csv'
-        for i in range(arguments.files):
-            generator = np.random.default_rng([arguments.seed, i])
-            damage = str(generator.choice(DAMAGES))
-            t, u, y, unit = make(generator)
-            data = write(generator, t, u, y, damage)
-            path.write_bytes(data)
-            start = time.process_time()
-            what = outcome(path, damage, unit)
-            slowest = max(slowest, time.process_time() - start)
-            counts[damage][what] += 1
-            if what[0] in 'EW' and arguments.keep:
-                arguments.keep.mkdir(exist_ok=True)
-                (arguments.keep / f'{arguments.seed}_{i}_{damage}.csv').write_bytes(data)
-    columns = sorted({what for count in counts.values() for what in count})
-    print('| damage | ' + ' | '.join(columns) + ' |\n|' + '---|' * (len(columns) + 1))
-    for damage, count in counts.items():
-        print(f'| {damage} | ' + ' | '.join(str(count[what]) for what in columns) + ' |')
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-    print(
-        f'\n{arguments.files} files; slowest {slowest:.2f} s of processor time, memory of the process {memory:.0f} MB'
-    )
+def _model(path):
+    record = text_record(path, 'u', 'y')
+    return record, identify(record.y, record.u, record.dt, [(2, 3, 0)])
+
+
+def trial(generator, path):
+    """Write one record and read it: what was done to it, what came of it."""
+    damage = str(generator.choice(DAMAGES))
+    t, u, y, unit = make(generator)
+    path.write_bytes(write(generator, t, u, y, damage))
+    return damage, outcome(path, unit)
 
 
 if __name__ == '__main__':
-    main()
+    run(trial, arguments_of(__doc__).parse_args(), '.csv')

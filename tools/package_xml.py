@@ -40,10 +40,12 @@ PIP = {
     'cobs': 'cobs',
     'dask': 'dask',
     'distributed': 'distributed',
+    'lz4': 'lz4',
     'mcap': 'mcap',
     'mcap_ros2': 'mcap-ros2-support',
     'padasip': 'padasip',
     'pyarrow': 'pyarrow',
+    'zstandard': 'zstandard',
 }
 OPTIONAL = {'iio': 'pylibiio<1', 'nidaqmx': 'nidaqmx[grpc]', 'grpc': 'nidaqmx[grpc]'}
 # of ROS 2 itself: the key is the name

@@ -29,3 +29,19 @@ def rms_with_mean(signal: Array) -> Array:
     """Root of the mean square over the first axis; (samples, ...) gives (...)."""
     result: Array = np.sqrt(np.mean(signal * signal, axis=0))
     return result
+
+
+def mean_of_known(signal: Array, axis: int = 0) -> Array:
+    """Mean over an axis without the values that are NaN; NaN where all of them are."""
+    known = ~np.isnan(signal)
+    with np.errstate(divide='ignore', invalid='ignore'):
+        result: Array = np.sum(np.where(known, signal, 0.0), axis=axis) / np.sum(known, axis=axis)
+    return result
+
+
+def largest_known(signal: Array, axis: int | None = None) -> Array:
+    """Largest magnitude without the values that are NaN; NaN where all of them are."""
+    known = ~np.isnan(signal)
+    most = np.max(np.where(known, np.abs(signal), -1.0), axis=axis, initial=-1.0)
+    result: Array = np.where(most < 0.0, np.nan, most)
+    return result

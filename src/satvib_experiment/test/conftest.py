@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from satvib_common.phases import Phase, PhasePlan
 from satvib_experiment.recording.bag_reader import custom_data
@@ -95,6 +95,10 @@ def _message(store, cls, recording, group, k, strut):
             values[name] = _header(store, recording.stamp[k])
         elif name == 'sequence':
             values[name] = int(recording.sequence[k])
+        elif name == 'phase':
+            values[name] = int(recording.plan.at(int(recording.sequence[k])))
+        elif name == 'sample_period':
+            values[name] = recording.sample_period
         elif array is None:
             values[name] = _filler(cls, name)
         else:
@@ -125,18 +129,30 @@ def _write_diagnostics(store, writer, diagnostics):
 
 
 def write_bag(
-    recording, path, keep=lambda *_: True, groups=tuple(TOPICS), custom=True, diagnostics=()
-):
-    """Write a recording as a bag; keep(group, strut, k) drops messages; diagnostics are (node, key, value)."""
+    recording, path, keep=lambda *_: True, groups=tuple(TOPICS), custom=True, diagnostics=(), schedule=True,
+    storage=StoragePlugin.MCAP, compression=CompressionMode.NONE, foreign=(),
+):  # fmt: skip
+    """Write a recording as a bag.
+
+    keep(group, strut, k) drops messages; diagnostics are (node, key, value); foreign are topics of std_msgs/msg/Empty.
+    """
     store = _typestore()
-    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+    made = Writer(path, version=9, storage_plugin=storage)
+    if compression is not CompressionMode.NONE:
+        made.set_compression(compression, CompressionFormat.ZSTD)
+    with made as writer:
+        for topic in foreign:
+            kind = 'std_msgs/msg/Empty'
+            connection = writer.add_connection(topic, kind, typestore=store)
+            writer.write(connection, 0, store.serialize_cdr(store.types[kind](), kind))
         if custom and recording.scenario:
             for key, text in custom_data(recording.scenario, recording.rig, False).items():
                 writer.set_custom_data(key, text)
-        kind = 'satvib_msgs/msg/Schedule'
-        connection = writer.add_connection('/schedule', kind, typestore=store)
-        schedule = _schedule(store, recording)
-        writer.write(connection, 0, store.serialize_cdr(schedule, kind))
+        if schedule:
+            kind = 'satvib_msgs/msg/Schedule'
+            connection = writer.add_connection('/schedule', kind, typestore=store)
+            message = _schedule(store, recording)
+            writer.write(connection, 0, store.serialize_cdr(message, kind))
         if diagnostics:
             _write_diagnostics(store, writer, diagnostics)
         for group in groups:

@@ -106,7 +106,8 @@ def result_table(result: dict[str, Any]) -> Table:
     struts = result['struts']
     kinds = [k for k in _KINDS if any(s['attenuation'][k] is not None for s in struts)]
     compared = any(s['reference'] is not None for s in struts)
-    table = Table(title=f'{result["scenario"]}: attenuation in dB, negative is better')
+    name = result['scenario'] or 'Unknown scenario'
+    table = Table(title=f'{name}: attenuation in dB, negative is better')
     table.add_column('strut')
     for kind in kinds:
         table.add_column(kind.replace('_', '\n'), justify='right', style=_style(kind))

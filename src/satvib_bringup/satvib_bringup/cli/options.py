@@ -32,3 +32,7 @@ Folder = Annotated[
         metavar='DIR',
     ),
 ]
+Recover = Annotated[
+    bool,
+    typer.Option('--recover', help='Bag: read what can be read of one with damaged bytes.'),
+]

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from satvib_common.door import door
 
 if TYPE_CHECKING:
+    from satvib_common.files.npz_file import load_npz_arrays
     from satvib_common.files.suggestions import nearest
     from satvib_common.files.whole_file import write_whole
 
-__all__ = ['nearest', 'write_whole']
+__all__ = ['load_npz_arrays', 'nearest', 'write_whole']
 __getattr__, __dir__ = door(__name__, __file__)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.arrays import Array, Integers
-from satvib_common.levels import decibel, rms
+from satvib_common.levels import decibel, largest_known, mean_of_known, rms
 from satvib_common.phases import Phase
 
 from satvib_experiment.analysis.levels import moving_rms, tone_floor, tone_level
@@ -193,7 +193,7 @@ def running_level(recording: Recording, window: float = 0.25) -> Array:
     """Moving RMS per sample (samples, struts) over `window` s, of the truth where there is truth."""
     if recording.has('truth', 'upper'):
         truth = recording.get('truth', 'upper')
-        square = np.sqrt(np.nanmean(truth**2, axis=2))
+        square = np.sqrt(mean_of_known(truth**2, axis=2))
         return moving_rms(square, round(window / recording.sample_period))
     upper = recording.get('acceleration', 'upper')
     quiet = recording.get('state', 'bias_upper') if recording.has('state') else 0.0
@@ -203,7 +203,7 @@ def running_level(recording: Recording, window: float = 0.25) -> Array:
 def _largest_voltage(recording: Recording) -> Array:
     if not recording.has('voltage'):
         return np.full(len(recording.struts), np.nan)
-    return np.asarray(np.nanmax(np.abs(recording.get('voltage', 'voltage')), axis=0))
+    return largest_known(recording.get('voltage', 'voltage'), axis=0)
 
 
 def _share(recording: Recording, control: NDArray[Any]) -> Array:

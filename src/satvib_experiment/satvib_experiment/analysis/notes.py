@@ -20,6 +20,8 @@ _NAMES = {'rms': 'RMS', 'tone': 'tone'}
 def notes_for(recording: Recording, evaluation: Evaluation) -> list[str]:
     """Sentences about a run, the most important first."""
     return [
+        *recording.notes,
+        *_unmeasured(recording),
         *_apart(evaluation),
         *_worse(evaluation),
         *_clipping(recording, evaluation),
@@ -27,6 +29,23 @@ def notes_for(recording: Recording, evaluation: Evaluation) -> list[str]:
         *_reasons(recording),
         *_losses(recording),
         *_missing(recording, evaluation),
+    ]
+
+
+def _unmeasured(recording: Recording) -> list[str]:
+    """Name the sensors that gave no number in the whole recording, although there are messages."""
+    by_struts: dict[str, list[str]] = {}
+    there = recording.get('acceleration', 'present')
+    for plate in ('upper', 'lower'):
+        if recording.has('acceleration', plate):
+            known = np.any(np.isfinite(recording.get('acceleration', plate)) & there, axis=0)
+            silent = np.flatnonzero(there.any(axis=0) & ~known)
+            struts = ', '.join(recording.struts[i].replace('_', ' ') for i in silent)
+            by_struts.setdefault(struts, []).append(plate)
+    return [
+        f'Not measured, NaN throughout: the {" and the ".join(plates)} acceleration of {struts}.'
+        for struts, plates in by_struts.items()
+        if struts
     ]
 
 
@@ -112,7 +131,9 @@ def _reasons(recording: Recording) -> list[str]:
     """Say why a controller did not act or adapt, as it stood at the end."""
     sentences = []
     if recording.has('state', 'reason'):
-        last = recording.get('state', 'reason')[-1]
+        present = recording.get('state', 'present')
+        rows = len(present) - 1 - np.argmax(present[::-1], axis=0)
+        last = recording.get('state', 'reason')[rows, np.arange(present.shape[1])]
         by_text: dict[str, list[str]] = {}
         for strut, text in zip(recording.struts, last, strict=True):
             if text:

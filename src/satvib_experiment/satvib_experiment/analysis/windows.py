@@ -32,7 +32,7 @@ def find_windows(recording: Recording, onset: float) -> Windows:
         onset: s, when the disturbance begins.
 
     Raises:
-        SatvibError: a window lies outside of what was recorded.
+        SatvibError: a window lies outside of what was recorded; of a recording that was cut short, before it.
     """
     settings = recording.scenario.analysis if recording.scenario else None
     given = {
@@ -42,7 +42,7 @@ def find_windows(recording: Recording, onset: float) -> Windows:
     begin = float(recording.time[0])
     last = float(recording.time[-1]) + recording.sample_period
     for name, span in given.items():
-        if span and span[0] >= last:
+        if span and span[0] >= last and not recording.is_cut:
             raise SatvibError(
                 f'{recording.source}: ends at {last:.2f} s, before the {name} window at {span[0]} s'
             )
@@ -58,7 +58,7 @@ def find_windows(recording: Recording, onset: float) -> Windows:
 
 
 def _cut(span: tuple[float, ...] | None, begin: float, last: float) -> Span | None:
-    return (max(span[0], begin), min(span[1], last)) if span else None
+    return (max(span[0], begin), min(span[1], last)) if span and span[0] < last else None
 
 
 def _uncontrolled(recording: Recording, onset: float) -> Span | None:

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 from satvib_common.door import door
 
 if TYPE_CHECKING:
-    from satvib_experiment.recording.bag_reader import find_bag, read_recording
+    from satvib_experiment.recording.bag.files import find_bag
+    from satvib_experiment.recording.bag_reader import read_recording
     from satvib_experiment.recording.load import load_recording
-    from satvib_experiment.recording.recording import Recording, differences, load_npz
+    from satvib_experiment.recording.npz_file import load_npz
+    from satvib_experiment.recording.recording import Recording, differences
     from satvib_experiment.recording.run_folder import (
         free_run_folder,
         make_run_folder,

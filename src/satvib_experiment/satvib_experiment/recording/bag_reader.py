@@ -1,39 +1,39 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reading a bag into a `Recording`, with rosbags: no ROS needed, the message definitions are the bag's own.
+"""Reading a bag into a `Recording`: no ROS needed, the message definitions are the bag's own.
 
-Any rosbag2 bag will do that holds a schedule and the struts' topics, made by satvib's recorder or by
-`ros2 bag record -a`. The recorder also leaves the scenario and the rig in the bag's custom data, which
-`custom_data` makes.
+Any rosbag2 bag will do that holds accelerations of struts, made by satvib's recorder or by `ros2 bag record`. What is
+missing in it is said, and the rest is read. The recorder also leaves the scenario and the rig in the bag's custom
+data, which `custom_data` makes.
 """
 
-import dataclasses
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
-from rosbags.highlevel import AnyReader
-from satvib_common.arrays import Integers
 from satvib_common.errors import SatvibError, printable
-from satvib_common.files.yaml_file import parse_yaml
-from satvib_common.phases import Phase, PhasePlan
-from satvib_plant_sim.rig.any_rig import AnyRig, rig_from_mapping
+from satvib_common.files.yaml_file import load_yaml, parse_yaml
+from satvib_plant_sim.rig.any_rig import AnyRig, rig_from_mapping, strut_count
 
+from satvib_experiment.recording.bag.definitions import DIAGNOSTICS, PACKAGE, Messages
+from satvib_experiment.recording.bag.facts import Facts, facts_of
+from satvib_experiment.recording.bag.files import BagContent, find_bag, read_bag
+from satvib_experiment.recording.bag.groups import MOST_PER_MESSAGE, group_arrays
 from satvib_experiment.recording.recording import Group, Recording
 from satvib_experiment.recording.topics import TOPICS
 from satvib_experiment.scenario.scenario import Scenario
 
-PACKAGE = 'satvib_msgs/msg'
-_SKIPPED = ('header', 'sequence')
-# bounds on what a number in a file may ask for; the rest of the bounds is the number of messages
-_MOST_PER_MESSAGE = 20  # samples from first to last; a recording that lost more of them is none
-_PERIODS = (1e-7, 1e3)  # s
-_LONGEST_TEXT = 256  # characters of a reason that are kept
-_SPARE = 1_000_000  # elements of an array that any file may ask for
+_KINDS = frozenset(
+    {DIAGNOSTICS, f'{PACKAGE}/Schedule', *(f'{PACKAGE}/{kind}' for _, kind in TOPICS.values())}
+)
+_BETWEEN = 1000  # samples that may be missing in any recording
+_LAST = 2**62
+
+ByStrut = dict[str, list[Any]]
 
 
 def custom_data(scenario: Scenario, rig: AnyRig, realtime: bool) -> dict[str, str]:
@@ -45,50 +45,24 @@ def custom_data(scenario: Scenario, rig: AnyRig, realtime: bool) -> dict[str, st
     }
 
 
-def find_bag(path: Path) -> Path:
-    """Find the bag that a path means: the bag itself, or a run's folder with the bag inside.
-
-    Raises:
-        SatvibError: there is nothing, or no bag.
-    """
-    if not path.exists():
-        raise SatvibError(f'{path}: no such file or folder')
-    if path.is_file() and path.suffix == '.mcap':
-        return path
-    if path.is_dir():
-        for folder in (path, path / 'bag'):
-            if (folder / 'metadata.yaml').is_file():
-                return folder
-        if list(path.rglob('*.mcap')):
-            raise SatvibError(f'{path}: a bag without metadata.yaml; its recording was cut short')
-    raise SatvibError(f'{path}: not a bag: neither metadata.yaml nor .mcap')
-
-
-def read_recording(path: Path) -> Recording:
+def read_recording(path: Path, recover: bool = False) -> Recording:
     """Read a bag.
 
     Args:
-        path: the bag's folder, its .mcap file, or the folder of the run that holds it.
+        path: the bag's folder, its file, or the folder of the run that holds it.
+        recover: read what can be read of a damaged bag; a cut one is read in any case.
 
     Raises:
         SatvibError: not a bag, a bag without satvib's topics, a damaged bag.
     """
     bag = find_bag(path)
     try:
-        with AnyReader([bag]) as reader:
-            types = {c.msgtype for c in reader.connections}
-            for needed in ('Schedule', 'StrutAcceleration'):
-                if f'{PACKAGE}/{needed}' not in types:
-                    found = ', '.join(sorted({c.topic for c in reader.connections})) or 'none'
-                    raise SatvibError(
-                        f'{bag}: no topic of type {PACKAGE}/{needed} in this bag; topics: {found}'
-                    )
-            custom = reader.readers[0].storage.metadata.custom or {}
-            return _collect(bag, reader, dict(custom))
-    except FileNotFoundError as error:
-        raise SatvibError(f'{bag}: incomplete: {error}') from None
+        content = read_bag(bag, _KINDS, recover)
+        return _Reader(bag, content, recover).recording()
     except SatvibError:
         raise
+    except OSError as error:
+        raise SatvibError(f'{bag}: cannot be read: {error.strerror}') from None
     except Exception as error:  # a parser that meets damaged bytes raises anything  # noqa: BLE001
         raise SatvibError(f'{bag}: damaged or cut short: {_one_line(error)}') from None
 
@@ -97,177 +71,188 @@ def _one_line(error: BaseException) -> str:
     return printable(' '.join(str(error).split()), 300) or type(error).__name__
 
 
-def _collect(bag: Path, reader: AnyReader, custom: dict[str, str]) -> Recording:
-    schedules = list(_messages(reader, 'Schedule'))
-    if not schedules:
-        raise SatvibError(f'{bag}: the topic of the schedule holds no message')
-    schedule = schedules[-1][1]
-    struts = tuple(schedule.struts)
-    period = _sample_period(bag, schedule)
-    if not struts or not all(isinstance(s, str) and s.isprintable() and s for s in struts):
-        raise SatvibError(f'{bag}: the schedule names no struts')
-    found: dict[str, dict[str, list[Any]]] = {}
-    for group, (_, kind) in TOPICS.items():
-        by_strut: dict[str, list[Any]] = defaultdict(list)
-        for topic, message in _messages(reader, kind):
-            by_strut[_strut_of(bag, topic)].append(message)
-        if by_strut:
-            found[group] = by_strut
-    measured = found.get('acceleration', {})
-    for strut in struts:
-        if not measured.get(strut):
-            raise SatvibError(f'{bag}: no acceleration of {strut}, which the schedule names')
-    first = min(m.sequence for s in struts for m in measured[s])
-    last = max(m.sequence for s in struts for m in measured[s])
-    count = max(len(measured[s]) for s in struts)
-    if last - first >= _MOST_PER_MESSAGE * count + 1000 or last >= 2**62:
-        raise SatvibError(
-            f'{bag}: damaged: samples {first} to {last} in {count} messages of a strut'
+@dataclass
+class _Reader:
+    """One bag on its way into a recording."""
+
+    bag: Path
+    content: BagContent
+    recover: bool
+    notes: list[str] = field(default_factory=list)
+    counts: Counter[str] = field(default_factory=Counter)
+
+    def recording(self) -> Recording:
+        """Put the recording together."""
+        messages = Messages(self.content, str(self.bag), self.recover)
+        self.notes += self.content.notes
+        found = {group: self._by_strut(messages, kind) for group, (_, kind) in TOPICS.items()}
+        measured = found['acceleration']
+        if not measured:
+            topics = printable(', '.join(sorted(self.content.topics)), 500) or 'none'
+            raise SatvibError(
+                f'{self.bag}: no topic of type {PACKAGE}/StrutAcceleration in this bag, or no message on it; '
+                f'topics: {topics}'
+            )
+        facts = facts_of(
+            str(self.bag), list(messages.of(f'{PACKAGE}/Schedule')), measured, found['state']
         )
-    sequence = np.arange(first, last + 1, dtype=np.int64)
-    counts: Counter[str] = Counter()
-    groups = {}
-    for group, by_strut in found.items():
-        columns = [by_strut.get(s, []) for s in struts]
-        if arrays := _group(columns, first, len(sequence), group, counts):
-            groups[group] = arrays
-    stamp = np.zeros(len(sequence), dtype=np.int64)
-    for message in measured[struts[0]]:
-        nanoseconds = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
-        stamp[message.sequence - first] = nanoseconds
-    counts.update(_late(reader))
-    for strut, messages in zip(
-        struts, (found.get('state', {}).get(s, []) for s in struts), strict=True
-    ):
-        if messages:
-            counts[f'{strut}_samples_missed_by_controller'] = int(messages[-1].missed_samples)
-    scenario, rig = custom.get('satvib_scenario'), custom.get('satvib_rig')
-    return Recording(
-        struts=struts,
-        sample_period=period,
-        plan=PhasePlan(
-            tuple(Phase(int(p)) for p in schedule.phases),
-            tuple(int(k) for k in schedule.first_sequence),
-            int(schedule.end_sequence),
-        ),
-        sequence=sequence,
-        stamp=stamp,
-        groups=groups,
-        scenario=_parsed(Scenario.from_mapping, scenario, f'{bag}: scenario'),
-        rig=_parsed(rig_from_mapping, rig, f'{bag}: rig'),
-        realtime=custom.get('satvib_realtime') == 'true',
-        seed=int(schedule.seed),
-        source=str(bag),
-        counts=dict(counts),
-    )
-
-
-def _sample_period(bag: Path, schedule: Any) -> float:
-    period = schedule.sample_period
-    if not isinstance(period, float) or not _PERIODS[0] <= period <= _PERIODS[1]:
-        raise SatvibError(
-            f'{bag}: sample period {period} s of the schedule is not from {_PERIODS[0]:g} to '
-            f'{_PERIODS[1]:g} s'
+        self.notes += facts.notes
+        first, count = self._span(facts.struts, measured)
+        groups: dict[str, Group] = {}
+        for group, by_strut in found.items():
+            columns = [by_strut.get(s, []) for s in facts.struts]
+            if arrays := group_arrays(columns, first, count, group, self.counts):
+                groups[group] = arrays
+        self._count_late(messages)
+        self._count_missed(facts.struts, found['state'])
+        if messages.unreadable:
+            self.notes.append(f'{messages.unreadable} messages are damaged and were left out.')
+        self._tell_missing(facts.struts, found)
+        scenario, rig = self._setting(facts)
+        return Recording(
+            struts=facts.struts,
+            sample_period=facts.sample_period,
+            plan=facts.plan,
+            sequence=np.arange(first, first + count, dtype=np.int64),
+            stamp=_stamps(facts.struts, measured, first, count),
+            groups=groups,
+            scenario=scenario,
+            rig=rig,
+            realtime=self.content.custom.get('satvib_realtime') == 'true',
+            seed=facts.seed,
+            source=str(self.bag),
+            counts=dict(self.counts),
+            name=facts.scenario,
+            notes=self.notes,
+            is_cut=self.content.is_cut,
         )
-    return period
+
+    def _by_strut(self, messages: Messages, kind: str) -> ByStrut:
+        """Messages of one type by strut, which is the last part but one of the topic."""
+        by_strut: ByStrut = defaultdict(list)
+        topics: dict[str, str] = {}
+        for topic, message in messages.of(f'{PACKAGE}/{kind}'):
+            parts = topic.strip('/').split('/')
+            if len(parts) < 2:
+                raise SatvibError(
+                    f'{self.bag}: topic {printable(topic)} has no name of a strut before it'
+                )
+            strut = parts[-2]
+            if topics.setdefault(strut, topic) != topic:
+                raise SatvibError(
+                    f'{self.bag}: {printable(strut)} is in it twice, as {printable(topics[strut])} and '
+                    f'{printable(topic)}; record one graph in one bag'
+                )
+            by_strut[strut].append(message)
+        return by_strut
+
+    def _span(self, struts: tuple[str, ...], measured: ByStrut) -> tuple[int, int]:
+        """First sample and number of samples."""
+        there = [measured[s] for s in struts if measured.get(s)]
+        if not there:
+            raise SatvibError(
+                f'{self.bag}: no acceleration of {printable(", ".join(struts), 200)}, which the schedule '
+                f'names; there is {printable(", ".join(measured), 200)}'
+            )
+        most = max(len(messages) for messages in there)
+        reach = MOST_PER_MESSAGE * most + _BETWEEN
+        if self.recover:
+            middle = int(np.median([m.sequence for m in there[0]]))
+            for messages in there:
+                messages[:] = [m for m in messages if abs(m.sequence - middle) < reach // 2]
+        first = min(m.sequence for messages in there for m in messages)
+        last = max(m.sequence for messages in there for m in messages)
+        if last - first >= reach or last >= _LAST:
+            raise SatvibError(
+                f'{self.bag}: damaged: samples {first} to {last} in {most} messages of a strut'
+            )
+        return first, last - first + 1
+
+    def _count_late(self, messages: Messages) -> None:
+        """What the nodes counted as late on /diagnostics, as they said last."""
+        for _, message in messages.of(DIAGNOSTICS):
+            for status in message.status:
+                for pair in status.values:
+                    if (
+                        pair.key.startswith('late')
+                        and pair.value.isdecimal()
+                        and len(pair.value) < 20
+                    ):
+                        name = f'{status.name}_{pair.key}'.strip('/').replace(' ', '_')
+                        self.counts[printable(name, 100)] = int(pair.value)
+
+    def _count_missed(self, struts: tuple[str, ...], states: ByStrut) -> None:
+        for strut in struts:
+            if messages := states.get(strut):
+                missed = getattr(messages[-1], 'missed_samples', 0)
+                self.counts[f'{strut}_samples_missed_by_controller'] = int(missed)
+
+    def _tell_missing(self, struts: tuple[str, ...], found: dict[str, ByStrut]) -> None:
+        """Say which topics are not in the recording, and which of another type stand under their names."""
+        lines = []
+        for group, by_strut in found.items():
+            topic = TOPICS[group][0]
+            missing = [s for s in struts if not by_strut.get(s)]
+            if len(missing) < len(struts) and missing:
+                lines.append(f'{topic} of {", ".join(missing)}')
+            elif missing and group in {'voltage', 'state'}:
+                lines.append(topic)
+        if lines:
+            self.notes.append(f'Not in this recording: {printable("; ".join(lines), 500)}.')
+        known = {topic: f'{PACKAGE}/{kind}' for topic, kind in TOPICS.values()}
+        for topic, kinds in sorted(self.content.topics.items()):
+            wanted = known.get(topic.rpartition('/')[2])
+            for kind in sorted(kinds - {wanted}) if wanted else ():
+                self.notes.append(
+                    f'Topic {printable(topic, 100)} has messages of type {printable(kind, 100)}, not {wanted}; '
+                    'they were not read.'
+                )
+        others = sorted(set(found['acceleration']) - set(struts))
+        if others:
+            self.notes.append(
+                f'Struts that the schedule does not name were left out: {printable(", ".join(others), 200)}.'
+            )
+
+    def _setting(self, facts: Facts) -> tuple[Scenario | None, AnyRig | None]:
+        """Scenario and rig as the recorder left them, or those of the run's folder; None: unknown, and said so."""
+        custom = self.content.custom
+        scenario = _parsed(
+            Scenario.from_mapping, custom.get('satvib_scenario'), f'{self.bag}: scenario'
+        )
+        rig = _parsed(rig_from_mapping, custom.get('satvib_rig'), f'{self.bag}: rig')
+        beside = self.bag.parent / 'scenario.yaml'
+        if scenario is None and beside.is_file():
+            written = Scenario.from_mapping(load_yaml(beside), str(beside))
+            if (written.name, written.seed) == (facts.scenario, facts.seed):
+                scenario, rig = written, rig or written.load_rig()
+                self.notes.append(
+                    'The bag does not hold its scenario; scenario.yaml beside it was taken.'
+                )
+        if rig is not None and not (
+            strut_count(rig) == len(facts.struts)
+            and abs(rig.acquisition.sample_rate * facts.sample_period - 1.0) < 1e-6
+        ):
+            self.notes.append(
+                'Scenario and rig in the bag do not fit its schedule; they were left out.'
+            )
+            return None, None
+        if scenario is None or rig is None:
+            called = f'The schedule names scenario {facts.scenario}. ' if facts.scenario else ''
+            self.notes.append(
+                f'{called}Rig, disturbance and settings are not in this bag; what needs them is left out.'
+            )
+        return scenario, rig
 
 
-def _strut_of(bag: Path, topic: str) -> str:
-    """Name of the strut in a topic, which is its last part but one."""
-    parts = topic.strip('/').split('/')
-    if len(parts) < 2:
-        raise SatvibError(f'{bag}: topic {topic} has no name of a strut before it')
-    return parts[-2]
-
-
-def _late(reader: AnyReader) -> dict[str, int]:
-    """What the nodes counted as late on /diagnostics, as they said last."""
-    connections = [
-        c for c in reader.connections if c.msgtype == 'diagnostic_msgs/msg/DiagnosticArray'
-    ]
-    said: dict[str, int] = {}
-    if not connections:
-        return said
-    for connection, _, raw in reader.messages(connections):
-        message: Any = reader.deserialize(raw, connection.msgtype)
-        for status in message.status:
-            for pair in status.values:
-                if pair.key.startswith('late') and pair.value.isdecimal():
-                    said[f'{status.name}_{pair.key}'.strip('/').replace(' ', '_')] = int(pair.value)
-    return said
+def _stamps(struts: tuple[str, ...], measured: ByStrut, first: int, count: int) -> Any:
+    """Instants of the samples (count,), ns; 0 where no strut has a message."""
+    stamp = np.zeros(count, dtype=np.int64)
+    for strut in reversed(struts):
+        for message in measured.get(strut, ()):
+            at = message.header.stamp
+            stamp[message.sequence - first] = at.sec * 10**9 + at.nanosec
+    return stamp
 
 
 def _parsed(build: Callable[[Any, str], Any], text: str | None, where: str) -> Any:
     return build(parse_yaml(text, where), where) if text else None
-
-
-def _messages(reader: AnyReader, kind: str) -> Iterator[tuple[str, Any]]:
-    """Topic and message of every message of one type, in order of arrival."""
-    connections = [c for c in reader.connections if c.msgtype == f'{PACKAGE}/{kind}']
-    if not connections:
-        return
-    for connection, _, raw in reader.messages(connections):
-        yield connection.topic, reader.deserialize(raw, connection.msgtype)
-
-
-def _group(
-    by_strut: list[list[Any]], first: int, count: int, group: str, counts: Counter[str]
-) -> Group:
-    """Turn the struts' messages of one type into arrays by sample; none when no message is of a recorded sample.
-
-    Of a recorder that was killed the topics end at different samples: some of its messages are of samples whose
-    accelerations are not in the bag.
-    """
-    present = np.zeros((count, len(by_strut)), dtype=bool)
-    names: list[str] = []
-    kept: list[list[Any]] = []
-    rows: list[Integers] = []
-    for strut, messages in enumerate(by_strut):
-        inside = [m for m in messages if 0 <= m.sequence - first < count]
-        by_row = {m.sequence - first: m for m in inside}
-        counts[f'{group}_repeated'] += len(inside) - len(by_row)
-        counts[f'{group}_outside_of_the_recording'] += len(messages) - len(inside)
-        order = sorted(by_row)
-        rows.append(np.array(order, dtype=np.int64))
-        kept.append([by_row[k] for k in order])
-        present[rows[-1], strut] = True
-        if inside and not names:
-            names = [f.name for f in dataclasses.fields(inside[0]) if f.name not in _SKIPPED]
-            names = [n for n in names if not n.startswith('_')]
-    if not names:
-        return {}
-    result: Group = {
-        name: _array([[getattr(m, name) for m in messages] for messages in kept], rows, count)
-        for name in names
-    }
-    result['present'] = present
-    return result
-
-
-def _array(values: list[list[Any]], rows: list[Integers], count: int) -> NDArray[Any]:
-    """Scatter values by strut to (count, struts, ...); NaN, zero or '' where there is none."""
-    filled = [v for v in values if v]
-    sample = filled[0][0]
-    if isinstance(sample, str):
-        width = min(max(len(text) for column in filled for text in column), _LONGEST_TEXT)
-        result: NDArray[Any] = np.zeros((count, len(values)), dtype=f'U{max(width, 1)}')
-    elif isinstance(sample, np.ndarray):
-        width = max(len(item) for column in filled for item in column)
-        given = sum(len(item) for column in filled for item in column)
-        if count * len(values) * width > _SPARE + 2 * _MOST_PER_MESSAGE * given * len(values):
-            raise SatvibError(f'damaged: a list of {width} in messages with {given} in all')
-        result = np.full((count, len(values), width), np.nan)
-        for strut, column in enumerate(values):
-            for row, item in zip(rows[strut], column, strict=True):
-                result[row, strut, : len(item)] = item
-        return result
-    elif isinstance(sample, float):
-        result = np.full((count, len(values)), np.nan)
-    else:
-        result = np.zeros(
-            (count, len(values)), dtype=bool if isinstance(sample, bool) else np.int64
-        )
-    for strut, column in enumerate(values):
-        if column:
-            result[rows[strut], strut] = column
-    return result

@@ -5,14 +5,16 @@
 from pathlib import Path
 
 from satvib_experiment.recording.bag_reader import read_recording
-from satvib_experiment.recording.recording import Recording, load_npz
+from satvib_experiment.recording.npz_file import load_npz
+from satvib_experiment.recording.recording import Recording
 
 
-def load_recording(path: Path) -> Recording:
+def load_recording(path: Path, recover: bool = False) -> Recording:
     """Read a recording.
 
     Args:
         path: recording.npz, a bag's folder, an .mcap file, or the folder of a run with one of them inside.
+        recover: read what can be read of a damaged bag.
 
     Raises:
         SatvibError: nothing of the kind is there, or it is damaged.
@@ -20,4 +22,4 @@ def load_recording(path: Path) -> Recording:
     if path.suffix == '.npz':
         return load_npz(path)
     inside = path / 'recording.npz'
-    return load_npz(inside) if inside.is_file() else read_recording(path)
+    return load_npz(inside) if inside.is_file() else read_recording(path, recover)

@@ -11,19 +11,20 @@ import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
-from satvib_plant_sim.rig.any_rig import AnyRig, rig_from_mapping
+from satvib_plant_sim.rig.any_rig import AnyRig
 
 from satvib_experiment.recording.topics import TOPICS
 from satvib_experiment.scenario.scenario import Scenario
 
 Group = dict[str, NDArray[Any]]
+
+FORMAT = 'satvib recording 1'
 
 # Fields that describe the machine, not the experiment.
 MACHINE_FIELDS = {('state', 'compute_time'), ('state', 'time_step')}
@@ -45,6 +46,9 @@ class Recording:
         seed: of everything random.
         source: where it comes from, for people.
         counts: what was lost, late or repeated.
+        name: of the scenario, also where the scenario itself is not known; '' when nothing says it.
+        notes: sentences about the recording itself, for instance what is missing in it.
+        is_cut: its file was cut short: it may end before its windows.
     """
 
     struts: tuple[str, ...]
@@ -59,6 +63,14 @@ class Recording:
     seed: int = 0
     source: str = 'simulation'
     counts: dict[str, int] = field(default_factory=dict)
+    name: str = ''
+    notes: list[str] = field(default_factory=list)
+    is_cut: bool = False
+
+    def __post_init__(self) -> None:
+        """Take the name of the scenario where it is known."""
+        if self.scenario is not None:
+            self.name = self.scenario.name
 
     def has(self, group: str, name: str | None = None) -> bool:
         """Whether a group, or a field of it, is there."""
@@ -122,7 +134,7 @@ class Recording:
             SatvibError: it exists already, or cannot be written.
         """
         about = {
-            'format': 'satvib recording 1',
+            'format': FORMAT,
             'struts': self.struts,
             'sample_period': self.sample_period,
             'phases': [phase.name for phase in self.plan.phases],
@@ -134,6 +146,8 @@ class Recording:
             'seed': self.seed,
             'source': self.source,
             'counts': self.counts,
+            'name': self.name,
+            'notes': self.notes,
         }
         arrays = {f'{g}/{n}': a for g, group in self.groups.items() for n, a in group.items()}
         try:
@@ -146,45 +160,6 @@ class Recording:
             raise SatvibError(f'{path}: exists already, not overwritten') from None
         except OSError as error:
             raise SatvibError(f'{path}: cannot be written: {error.strerror}') from None
-
-
-def load_npz(path: Path) -> Recording:
-    """Read what `Recording.save` wrote.
-
-    Raises:
-        SatvibError: not there, or not such a file.
-    """
-    try:
-        with np.load(path, allow_pickle=False) as data:
-            arrays = {name: data[name] for name in data.files}
-        about = json.loads(str(arrays.pop('about')))
-        groups: dict[str, Group] = {}
-        sequence, stamp = arrays.pop('sequence'), arrays.pop('stamp')
-        for name, array in arrays.items():
-            group, _, member = name.partition('/')
-            groups.setdefault(group, {})[member] = array
-        plan = PhasePlan(
-            tuple(Phase[name] for name in about['phases']), tuple(about['first']), about['end']
-        )
-    except FileNotFoundError:
-        raise SatvibError(f'{path}: no such file') from None
-    except (OSError, ValueError, KeyError, EOFError, AttributeError, BadZipFile) as error:
-        raise SatvibError(f'{path}: not a satvib recording: {error}') from None
-    scenario, rig = about['scenario'], about['rig']
-    return Recording(
-        struts=tuple(about['struts']),
-        sample_period=about['sample_period'],
-        plan=plan,
-        sequence=sequence,
-        stamp=stamp,
-        groups=groups,
-        scenario=Scenario.from_mapping(scenario, str(path)) if scenario else None,
-        rig=rig_from_mapping(rig, str(path)) if rig else None,
-        realtime=about['realtime'],
-        seed=about['seed'],
-        source=about['source'],
-        counts=about['counts'],
-    )
 
 
 def differences(first: Recording, second: Recording) -> list[str]:

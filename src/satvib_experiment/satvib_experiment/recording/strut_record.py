@@ -14,17 +14,18 @@ from satvib_experiment.recording.load import load_recording
 from satvib_experiment.recording.signals import without_bias
 
 
-def read_strut(path: Path, strut_number: int) -> MeasuredRecord:
+def read_strut(path: Path, strut_number: int, recover: bool = False) -> MeasuredRecord:
     """Take the IDENTIFY phase of a recorded run, or all of it when there was none.
 
     Args:
         path: bag, folder of a run, or recording.npz.
         strut_number: from 1.
+        recover: read what can be read of a damaged bag.
 
     Raises:
         SatvibError: no such strut, or nothing recorded to identify from.
     """
-    recording = load_recording(path)
+    recording = load_recording(path, recover)
     count = len(recording.struts)
     if not 1 <= strut_number <= count:
         raise SatvibError(f'--strut: {strut_number} is not one of the {count} struts of {path}')
@@ -32,7 +33,7 @@ def read_strut(path: Path, strut_number: int) -> MeasuredRecord:
     window = recording.window(*spans[0]) if spans else slice(None)
     u = recording.get('voltage', 'voltage')[window, strut_number - 1]
     y = without_bias(recording, window)[:, strut_number - 1]
-    notes = []
+    notes = [note.rstrip('.') for note in recording.notes]
     if recording.has('acceleration', 'upper_clipped'):
         clipped = recording.get('acceleration', 'upper_clipped')[window, strut_number - 1]
         y = np.where(clipped, np.nan, y)

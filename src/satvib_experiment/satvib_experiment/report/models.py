@@ -40,7 +40,7 @@ def input_delay(context: Context) -> int:
     """Input delay of the identified models, samples."""
     recording = context.recording
     if recording.has('model', 'delay'):
-        return int(np.nanmax(recording.get('model', 'delay')))
+        return int(np.max(recording.get('model', 'delay')))
     if recording.scenario is None:
         return 1
     return recording.scenario.identifier_parameters(1.0 / recording.sample_period).delay

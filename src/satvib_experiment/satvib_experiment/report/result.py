@@ -27,7 +27,7 @@ def result_mapping(context: Context) -> dict[str, Any]:
     return _plain(
         {
             'format': FORMAT,
-            'scenario': scenario.name if scenario else None,
+            'scenario': recording.name or None,
             'seed': recording.seed,
             'source': recording.source,
             'realtime': recording.realtime,

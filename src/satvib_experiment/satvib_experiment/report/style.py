@@ -155,7 +155,7 @@ def envelope(
         axes.plot(time, signal, **style)
         return
     edges = np.linspace(0, len(signal), bins + 1).astype(int)[:-1]
-    low, high = np.minimum.reduceat(signal, edges), np.maximum.reduceat(signal, edges)
+    low, high = np.fmin.reduceat(signal, edges), np.fmax.reduceat(signal, edges)
     if filled:
         axes.fill_between(time[edges], low, high, lw=0, step='post', **style)
     else:

@@ -7,7 +7,8 @@ import pytest
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_experiment.recording.load import load_recording
-from satvib_experiment.recording.recording import differences, load_npz
+from satvib_experiment.recording.npz_file import load_npz
+from satvib_experiment.recording.recording import differences
 
 
 def test_what_is_saved_comes_back(quick_run, tmp_path):

@@ -250,7 +250,7 @@ class IirModel:
                 raise SatvibError(f'{where}: {key}: missing')
         try:
             model = cls(mapping['a'], mapping['b'], mapping['delay'], mapping['sample_period'])
-        except (TypeError, ValueError) as error:
+        except (TypeError, ValueError, OverflowError) as error:
             raise SatvibError(f'{where}: not numbers: {error}') from None
         except SatvibError as error:
             raise SatvibError(f'{where}: {error}') from None

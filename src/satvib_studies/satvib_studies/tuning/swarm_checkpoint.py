@@ -5,11 +5,11 @@
 import json
 from pathlib import Path
 from typing import Any, Protocol
-from zipfile import BadZipFile
 
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
+from satvib_common.files.npz_file import load_npz_arrays
 from satvib_common.files.whole_file import write_whole
 
 _FORMAT = 'satvib swarm 1'
@@ -53,8 +53,7 @@ def restore(swarm: Swarm, path: Path) -> None:
         SatvibError: the file is broken, or of another search.
     """
     try:
-        with np.load(path, allow_pickle=False) as data:
-            arrays = {name: data[name] for name in data.files}
+        arrays = load_npz_arrays(path)
         about = json.loads(str(arrays['about']))
         if about['format'] != _FORMAT:
             raise ValueError(about['format'])
@@ -62,7 +61,7 @@ def restore(swarm: Swarm, path: Path) -> None:
         shapes_fit = all(arrays[n].shape == getattr(swarm, n).shape for n in _ARRAYS)
         history = arrays['history'].reshape(-1, 2)
         found = {name: float(numbers[name]) for name in _NUMBERS}
-    except (OSError, ValueError, KeyError, EOFError, TypeError, BadZipFile):
+    except (SatvibError, ValueError, KeyError, TypeError, OverflowError):
         raise SatvibError(
             f'{path}: not a checkpoint of a search, or broken; remove it to begin again'
         ) from None

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from satvib_bringup.cli.options import Recover
+
 if TYPE_CHECKING:
     from satvib_common.records.record import MeasuredRecord
 
@@ -78,6 +80,7 @@ def identify(
         str | None,
         typer.Option('--encoding', help='Text: as in utf-16 or latin-1; found out otherwise.'),
     ] = None,
+    recover: Recover = False,
     skip: Annotated[
         int, typer.Option('--skip', help='Text: lines to leave out at the start.', min=0)
     ] = 0,
@@ -130,7 +133,7 @@ def identify(
             memory,
         )
     else:
-        record = read_strut(file, strut)
+        record = read_strut(file, strut, recover)
 
     from satvib_ident.models.model_file import save_model
     from satvib_ident.offline.order_search import identify as identify_offline

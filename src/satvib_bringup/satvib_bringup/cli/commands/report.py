@@ -7,12 +7,14 @@ from typing import Annotated
 
 import typer
 
+from satvib_bringup.cli.options import Recover
+
 
 def report(
     source: Annotated[
         Path,
         typer.Argument(
-            help="A run's folder, a bag's folder, an .mcap file, or a recording.npz.",
+            help="A run's folder, a bag's folder, an .mcap or .db3 file, or a recording.npz.",
             metavar='BAG',
         ),
     ],
@@ -22,8 +24,13 @@ def report(
             '--output', '-o', help='Where to. Without it: <name of the bag>-report.', metavar='DIR'
         ),
     ] = None,
+    recover: Recover = False,
 ) -> None:
-    """Write report.html, result.json and figures/ of a recorded run, and print its table."""
+    """Write report.html, result.json and figures/ of a recorded run, and print its table.
+
+    What is missing in the recording is said, and the rest is reported. A recording that was cut short is read as far as
+    it goes; one with damaged bytes is refused without --recover.
+    """
     from satvib_experiment.recording.load import load_recording
     from satvib_experiment.report.build import refuse_existing, write_report
 
@@ -32,5 +39,5 @@ def report(
     source = source.resolve()
     folder = output or source.with_name(f'{source.stem}-report')
     refuse_existing(folder)
-    written = write_report(load_recording(source), folder)
+    written = write_report(load_recording(source, recover), folder)
     show_result(make_console(), written.result, written.page)

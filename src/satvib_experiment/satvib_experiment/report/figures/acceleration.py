@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.levels import largest_known
 
 from satvib_experiment.recording.signals import fine, without_bias
 from satvib_experiment.report.context import Context
@@ -35,8 +36,10 @@ _BIN = 0.25  # s, longer than a period of what there is to see
 
 
 def draw(context: Context, path: Path) -> bool:
-    """Draw the figure."""
+    """Draw the figure; False when nothing was measured."""
     recording, count = context.recording, len(context.struts)
+    if not np.any(np.isfinite(recording.get('acceleration', 'upper'))):
+        return False
     end = float(recording.time[-1]) + recording.sample_period
     lowest = min(context.evaluation.frequencies, default=0.0)
     length = _ZOOM_PERIODS / lowest if lowest else _ZOOM_SAMPLES * recording.sample_period
@@ -90,16 +93,23 @@ def _draw_zoom(context: Context, ax: Any, i: int, zoom: slice, measured: Array) 
 def _limit(context: Context, i: int, measured: Array) -> float:
     """Vertical range: all of it, without the odd first kick of the excitation when that is far larger."""
     windows = context.evaluation.windows
-    largest = float(np.nanmax(np.abs(measured[:, i]))) or 1.0
+    signals = [measured[:, i]]
     if context.has_truth:
-        largest = max(largest, float(np.nanmax(np.abs(context.fine()[:, i]))))
+        signals.append(context.fine()[:, i])
+    largest = _largest(signals)
     inside = 0.0
     for source in (context.recording, context.open_loop):
         for span in (windows.uncontrolled, windows.controlled):
             if source is not None and span is not None:
                 window = source.window(*span)
-                signals = [without_bias(source, window)[:, i]]
+                seen = [without_bias(source, window)[:, i]]
                 if source.has('truth', 'upper'):
-                    signals.append(fine(source, window)[:, i])
-                inside = max(inside, *(float(np.nanmax(np.abs(s))) for s in signals))
-    return 1.1 * (min(largest, 2.5 * inside) if inside else largest)
+                    seen.append(fine(source, window)[:, i])
+                inside = max(inside, _largest(seen))
+    shown = min(largest or inside, 2.5 * inside) if inside else largest
+    return 1.1 * (shown or 1.0)
+
+
+def _largest(signals: list[Array]) -> float:
+    """Largest magnitude of some signals; 0 when nothing is known of them."""
+    return max(float(np.nan_to_num(largest_known(signal))) for signal in signals)

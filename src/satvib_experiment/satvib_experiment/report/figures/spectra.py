@@ -75,6 +75,8 @@ def _limit(ax: Any, context: Context, i: int, on: slice, off: slice) -> None:
         for w in (on, off)
     ]
     noise = context.evaluation.noise * np.sqrt(2.0 * dt)
+    if not max(peaks) > 0.0:  # nothing was measured at this strut
+        return
     bottom = noise if np.isfinite(noise) and noise > 0 else 1e-4 * max(peaks)
     ax.set_ylim(0.003 * min(bottom, 0.1 * max(peaks)), 4.0 * max(peaks))
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from satvib_common.errors import SatvibError
+from satvib_common.levels import largest_known
 
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.style import INK, MEASURED, STRUTS, figure, shade_phases, strut_label
@@ -22,6 +23,8 @@ def draw(context: Context, path: Path) -> bool:
     if not recording.has('voltage'):
         return False
     voltage = recording.get('voltage', 'voltage')
+    if not np.any(np.isfinite(voltage)):
+        return False
     saturated = recording.get('voltage', 'saturated')
     limit = _limit(context)
     with figure(path, len(context.struts), sharex=True, sharey=True) as (_, axes):
@@ -32,7 +35,7 @@ def draw(context: Context, path: Path) -> bool:
                 recording.time[saturated[:, i]], voltage[saturated[:, i], i], '.', ms=3,
                 color=MEASURED,
             )  # fmt: skip
-            if limit is not None and np.nanmax(np.abs(voltage)) > 0.6 * limit:
+            if limit is not None and largest_known(voltage) > 0.6 * limit:
                 for sign in (-1, 1):
                     ax.axhline(sign * limit, color=INK, ls='--', lw=0.8)
             ax.set_xlim(0.0, float(recording.time[-1]) + recording.sample_period)
