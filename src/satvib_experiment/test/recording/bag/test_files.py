@@ -106,15 +106,15 @@ def test_a_damaged_index_is_refused_and_what_it_points_to_is_recovered(
 def test_a_database_with_damaged_pages(bags, quick_run, tmp_path):
     data = bytearray(file_of(bags['sqlite3']).read_bytes())
     page = 4096
-    middle = len(data) // 2 // page * page
-    data[middle : middle + page] = b'\xff' * page
+    for first in range(len(data) // 2 // page * page, len(data) * 6 // 10, page):
+        data[first : first + page] = b'\xff' * page
     path = tmp_path / 'a.db3'
     path.write_bytes(data)
     with pytest.raises(SatvibError, match='damaged'):
         read_recording(path)
     back = read_recording(path, recover=True)
     there = back.get('acceleration', 'present')
-    assert 0.5 < there.mean() <= 1.0
+    assert 0.3 < there.mean() <= 1.0
     rows = slice(int(back.sequence[0]), int(back.sequence[-1]) + 1)
     assert np.array_equal(
         back.get('acceleration', 'upper')[there],
@@ -131,8 +131,8 @@ def test_damaged_metadata_is_refused_and_left_out(bags, quick_run, tmp_path):
     assert len(back.sequence) == len(quick_run.sequence)
 
 
-def test_two_graphs_in_one_bag_are_refused(quick_run, bag_writer, tmp_path):
-    """Truth: by hand: the second bag's messages stand under another namespace."""
+def test_a_strut_that_the_schedule_does_not_name_is_said(quick_run, bag_writer, tmp_path):
+    """Truth: by hand: a topic is called otherwise, with as many letters."""
     first = bag_writer(quick_run, tmp_path / 'one')
     renamed = (
         file_of(first).read_bytes().replace(b'/strut_2/acceleration', b'/strut1_/acceleration')
@@ -140,4 +140,4 @@ def test_two_graphs_in_one_bag_are_refused(quick_run, bag_writer, tmp_path):
     path = tmp_path / 'a.mcap'
     path.write_bytes(renamed)
     back = read_recording(path)
-    assert any('strut1_' in note for note in back.notes)
+    assert any('does not name were left out: strut1_' in note for note in back.notes)
