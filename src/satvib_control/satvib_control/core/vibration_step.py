@@ -10,16 +10,21 @@ from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
 
 LEVEL_TIME = 0.5  # s; two periods of the lowest tone that matters
-QUICK_TIME = 0.1  # s
+QUICK_TIME = 0.06  # s
+PAST_TIME = 1.0  # s
 BASE_TIME = 1.5  # s
 MOST = 4.0  # a level of 10 dB counts four times
 PATIENCE = 1.0  # s
-PATIENCE_RETURNING = 0.3  # s
+PATIENCE_RETURNING = 1.0  # s; a quarter of that where it is 10 dB too loud
 FADE_TIME = 0.1  # s
 RING_TIME = 0.3  # s before the first block is compared
 BLOCK_TIME = 0.25  # s
 FALLING = 0.7  # of the block before
 LONGEST_PAUSE = 3.0  # s
+PEEK_TIME = 0.15  # s at 0 V, after which a law that calms is known by the rise
+RISEN = 1.26  # of the power before
+STEADY = 2.0  # most by which the level may be above its mean of a second before such a rise counts
+CALMED = 0.8  # of the power at 0 V, half a second after the law is back
 TURN = 2.0  # s
 ALLOWED_TIME = 5.0  # s; no strut is loud for longer, so what is still heard then is the disturbance
 RETURN_TIME = 0.3  # s
@@ -42,6 +47,14 @@ class State(IntEnum):
     PAUSING = 2
     WAITING = 3
     RETURNING = 4
+
+
+class Peek(IntEnum):
+    """Whether a short pause may be enough."""
+
+    NO = 0
+    POSSIBLE = 1
+    TO_CONFIRM = 2
 
 
 class Verdict(IntEnum):
@@ -77,6 +90,9 @@ class Slot(IntEnum):
     ACTED = 19  # s since the law came back
     STRANGE = 20  # how long the level has been unusual
     PATIENCE = 21  # for that
+    PAST = 22  # power, PAST_TIME
+    PEEK = 23  # a `Peek`
+    BASE_BEFORE = 24  # power at 0 V before a peek
 
 
 class Setting(IntEnum):
@@ -95,6 +111,7 @@ def _measure(memory, settings, y, effort):
     power = y * y
     memory[Slot.LEVEL] += (power - memory[Slot.LEVEL]) * min(dt / LEVEL_TIME, 1.0)
     memory[Slot.QUICK] += (power - memory[Slot.QUICK]) * min(dt / QUICK_TIME, 1.0)
+    memory[Slot.PAST] += (memory[Slot.LEVEL] - memory[Slot.PAST]) * min(dt / PAST_TIME, 1.0)
     memory[Slot.EFFORT] += (effort * effort - memory[Slot.EFFORT]) * min(dt / LEVEL_TIME, 1.0)
 
 
@@ -107,9 +124,11 @@ def _limit(power, settings):
 
 @njit
 def _loud(memory, settings):
-    """How many times the limit the level is; 0 where it is below, or decays."""
+    """How many times the limit the level is; 0 where it decays, and -1 where it is below the limit."""
     limit = _limit(memory[Slot.BASE], settings)
-    if memory[Slot.LEVEL] <= limit or memory[Slot.QUICK] < max(limit, 0.5 * memory[Slot.LEVEL]):
+    if memory[Slot.LEVEL] <= limit or memory[Slot.QUICK] <= limit:
+        return -1.0
+    if memory[Slot.QUICK] < 0.5 * memory[Slot.LEVEL]:
         return 0.0
     return min(memory[Slot.LEVEL] / limit, MOST)
 
@@ -137,8 +156,7 @@ def _listen(memory, settings, y, silent):
 @njit
 def _is_loud_for(memory, settings, patience):
     """Count how long it has been loud."""
-    loud = _loud(memory, settings)
-    change = (loud if loud > 0.0 else -1.0) * settings[Setting.DT]
+    change = _loud(memory, settings) * settings[Setting.DT]
     memory[Slot.LOUD] = max(memory[Slot.LOUD] + change, 0.0)
     return memory[Slot.LOUD] > patience
 
@@ -154,6 +172,7 @@ def _pause(memory):
     memory[Slot.PEACE] = 0.0
     memory[Slot.ACTED] = 0.0
     memory[Slot.STRANGE] = 0.0
+    memory[Slot.PEEK] = Peek.NO.value
     _go(memory, State.PAUSING)
 
 
@@ -176,8 +195,34 @@ def _act(memory, settings):
         memory[Slot.STRIKES] = max(memory[Slot.STRIKES] - 1.0, 0.0)
     loud = _is_loud_for(memory, settings, PATIENCE)
     if (_is_unusual(memory, settings) or loud) and memory[Slot.EFFORT] > EFFORT:
+        steady = memory[Slot.LEVEL] < STEADY * memory[Slot.PAST]
         _pause(memory)
+        memory[Slot.PEEK] = Peek.POSSIBLE.value if steady else Peek.NO.value
     return Verdict.NONE
+
+
+@njit
+def _peek(memory, settings, y):
+    """PAUSING: whether the power has risen as soon as the law was off, so that the law had calmed it."""
+    if int(memory[Slot.PEEK]) != Peek.POSSIBLE or memory[Slot.CLOCK] < FADE_TIME:
+        return False
+    dt = settings[Setting.DT]
+    memory[Slot.BLOCK] += y * y * dt
+    memory[Slot.BLOCK_TIME] += dt
+    if memory[Slot.BLOCK_TIME] < PEEK_TIME:
+        return False
+    power = memory[Slot.BLOCK] / memory[Slot.BLOCK_TIME]
+    memory[Slot.BLOCK] = 0.0
+    memory[Slot.BLOCK_TIME] = 0.0
+    memory[Slot.PEEK] = Peek.NO.value
+    if power < RISEN * max(memory[Slot.BEFORE], memory[Slot.BASE]):
+        return False
+    memory[Slot.PEEK] = Peek.TO_CONFIRM.value
+    memory[Slot.BASE_BEFORE] = memory[Slot.BASE]
+    memory[Slot.BASE] = power
+    memory[Slot.LEVEL] = power
+    _go(memory, State.RETURNING)
+    return True
 
 
 @njit
@@ -271,6 +316,12 @@ def _return(memory, settings):
         _pause(memory)
         memory[Slot.STRUCK] = 1.0
         return verdict
+    if int(memory[Slot.PEEK]) == Peek.TO_CONFIRM and memory[Slot.CLOCK] > RETURN_TIME + LEVEL_TIME:
+        memory[Slot.PEEK] = Peek.NO.value
+        if memory[Slot.LEVEL] > CALMED * memory[Slot.BASE]:
+            memory[Slot.BASE] = memory[Slot.BASE_BEFORE]
+            _pause(memory)
+            return Verdict.NONE
     if memory[Slot.CLOCK] > TURN:
         _go(memory, State.ACTING)
     return Verdict.NONE
@@ -290,7 +341,7 @@ def _one(memory, settings, y, effort, acting, silent):
     elif state == State.ACTING:
         verdict = _act(memory, settings)
     elif state == State.PAUSING:
-        if _listen_in_pause(memory, settings, y):
+        if not _peek(memory, settings, y) and _listen_in_pause(memory, settings, y):
             verdict = _judge(memory)
     elif state == State.WAITING:
         _wait(memory, settings)

@@ -16,13 +16,17 @@ that becomes loud while it comes back is itself the cause.
 | ACTING | loud for `PATIENCE` | PAUSING | the law's | - |
 | PAUSING | the power no longer falls | WAITING if it fell by half, else RETURNING | fades to 0 | the base |
 | WAITING | quiet for its turn | RETURNING | 0 V | - |
+| PAUSING | the power has risen at once (a peek) | RETURNING | 0 V for `PEEK_TIME` | the base |
 | RETURNING | loud for `PATIENCE_RETURNING`: a strike | PAUSING | fades in | - |
 | RETURNING | `TURN` has passed | ACTING | the law's | - |
 
 A pause in which the power does not fall by half says that the disturbance has grown: it becomes the base, and the law
-goes on. A strike resets the law and halves its voltage; the third one is a fault. A second pause in which the power
-fell, of a strut that was not returning, is a strike too: struts that are stable one by one can be unstable together.
-`FORGIVE_TIME` without a pause takes one strike back.
+goes on. A peek is shorter: where the level has changed slowly and the power rises as soon as the law is off, the law
+had calmed it. It must fall again when the law is back; else the base is the one before, and a whole pause follows. A
+strut that is itself the cause does not see its power rise by the pause. A strike resets the law and halves its
+voltage; the third one is a fault. A second pause in which the power fell, of a strut that was not returning, is a
+strike too: struts that are stable one by one can be unstable together. `FORGIVE_TIME` without a pause takes one
+strike back.
 """
 
 import numpy as np

@@ -122,6 +122,27 @@ def test_a_pulse_does_not_take_the_law_off(make_isolator, make_loop, settings):
     assert np.max(np.abs(runs[0][BAND])) > 0.1
 
 
+def test_a_ramp_costs_a_short_pause(make_isolator, make_loop, settings):
+    """A tone that grows by 2 dB/s under a law that calms it: off for a quarter of a second, and the base is new.
+
+    Truth: the same run without the watch; less than 0.5 s of 0 V in each pause of a growth of more than 4 dB.
+    """
+    model = make_isolator(RATE, wn=56.5, zeta=0.3)
+    t = np.arange(int(16 * RATE)) / RATE
+    growth = np.clip((t - 4.0) / 8.0, 0.0, 1.0) * 16.0
+    d = 0.3 * np.sin(2 * np.pi * 9.0 * t) * 10.0 ** (growth / 20.0)
+    runs = [
+        watched(make_loop, settings, model, model, watch_loudness=level, velocity_gain=60.0).run(
+            len(t), d
+        )
+        for level in (4.0, OFF)
+    ]
+    assert 0.9 * d[-400:].std() > runs[1][0][-400:].std()  # it calms
+    off = np.count_nonzero(runs[0][1][BAND] == 0.0) / RATE
+    assert 0.1 < off < 0.5
+    np.testing.assert_allclose(runs[0][0][-200:].std(), runs[1][0][-200:].std(), rtol=0.02)
+
+
 @pytest.mark.parametrize('seed', range(1, 4))
 def test_random_vibration_that_the_law_does_not_calm_is_left_alone(
     make_isolator, make_loop, settings, seed

@@ -9,7 +9,7 @@
 | FADE | a tenth of the watch time is over | RESTART | falls to 0 V | no |
 | RESTART | after one sample | RING_DOWN, or GIVEN_UP after the third alarm | 0 V | no, the weights become 0 |
 | RING_DOWN | one watch time is over | LISTEN | 0 V | no |
-| GIVEN_UP | `reset`, or a new model (`forgive`) | LISTEN | 0 V | no, the weights are 0 |
+| GIVEN_UP | its time is over, `reset`, or a new model (`forgive`) | LISTEN | 0 V | no, the weights are 0 |
 
 LISTEN measures how much of the reference x passes to the upper acceleration y at 0 V:
 
@@ -33,6 +33,9 @@ because x grows with y.
 
 After n alarms the next one needs less: R^(1 / (n + 1)) and r_0 itself, or four watch times, on balance, in which <y^2>
 is not a decibel below r_0 <x^2>. Ten watch times in which it is take one alarm back; no wrong path causes them.
+
+Given up. The cause may pass: a shock, another law, a rig that changes back. So the law tries again after 10 watch
+times, then after 20, 40 and so on. Its pace stays that of the last alarm, and the next alarm is the last one again.
 """
 
 from enum import IntEnum
@@ -58,6 +61,8 @@ RISE = 0.5
 FALL = 0.1
 USELESS = 4.0  # without any good, until an alarm
 FORGIVEN = 10.0  # of good, until an alarm is taken back
+RETRY = 10.0  # at 0 V after it has given up for the first time; twice as long each time after that
+LONGEST = 6  # doublings
 QUICKER = 5.0  # ratio of the watch time to the averaging time of what may be an alarm
 
 
@@ -90,6 +95,7 @@ class _Slot(IntEnum):
     USELESS = 12  # samples without any good minus those with
     ALARMS = 13
     PACE = 14  # of the adaptation, 0 to 1
+    GIVEN_UP = 15  # how many times it has given up
 
 
 class _Sample(NamedTuple):
@@ -210,7 +216,9 @@ def _fade(window, memory):
         return BackoffState.FADE
     first, passed = memory[_Slot.PASSED_FIRST], memory[_Slot.PASSED]
     alarms, pace = memory[_Slot.ALARMS], memory[_Slot.PACE]
+    given_up = memory[_Slot.GIVEN_UP]
     memory[:] = 0.0
+    memory[_Slot.GIVEN_UP] = given_up
     memory[_Slot.PASSED_FIRST] = passed if first == 0.0 else first
     memory[_Slot.ALARMS], memory[_Slot.PACE] = alarms, pace
     memory[_Slot.LEFT] = window
@@ -223,6 +231,24 @@ def _ring_down(sample, memory):
     if sample.valid:
         memory[_Slot.LEFT] -= 1.0
     return BackoffState.RING_DOWN if memory[_Slot.LEFT] > 0.0 else BackoffState.LISTEN
+
+
+@njit
+def _restart(window, memory):
+    """After FADE: ring down, or wait longer where there were too many alarms."""
+    if memory[_Slot.ALARMS] < ALARMS:
+        return BackoffState.RING_DOWN
+    memory[_Slot.LEFT] = RETRY * window * 2.0 ** min(memory[_Slot.GIVEN_UP], LONGEST)
+    memory[_Slot.GIVEN_UP] += 1.0
+    memory[_Slot.ALARMS] = ALARMS - 1.0
+    return BackoffState.GIVEN_UP
+
+
+@njit
+def _wait(memory):
+    """GIVEN_UP: 0 V until it is time to try again."""
+    memory[_Slot.LEFT] -= 1.0
+    return BackoffState.GIVEN_UP if memory[_Slot.LEFT] > 0.0 else BackoffState.LISTEN
 
 
 @kernel(
@@ -239,8 +265,7 @@ def _step(
     loud[0] = False
     now[0] = state
     if state == BackoffState.RESTART:
-        again = memory[_Slot.ALARMS] < ALARMS
-        now[0] = BackoffState.RING_DOWN if again else BackoffState.GIVEN_UP
+        now[0] = _restart(given.window, memory)
     following[0] = now[0]
     if now[0] == BackoffState.LISTEN:
         following[0], loud[0] = _listen(sample, given, memory)
@@ -250,6 +275,8 @@ def _step(
         following[0] = _fade(given.window, memory)
     elif now[0] == BackoffState.RING_DOWN:
         following[0] = _ring_down(sample, memory)
+    elif now[0] == BackoffState.GIVEN_UP:
+        following[0] = _wait(memory)
     # FADE and RESTART begin on the very sample that causes them
     if following[0] == BackoffState.FADE or following[0] == BackoffState.RESTART:
         now[0] = following[0]

@@ -35,6 +35,7 @@ from satvib_control.laws.feedforward.parameters import FeedforwardParameters
 from satvib_control.laws.feedforward.reaction import ReferenceProtection, loop_gain
 from satvib_control.laws.feedforward.regressor import FilteredReference
 from satvib_control.laws.feedforward.regressor_kernel import Contents
+from satvib_control.laws.feedforward.spikes import SpikeLimit
 from satvib_control.laws.reasons import reason
 
 if TYPE_CHECKING:
@@ -85,6 +86,7 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
         self._power = np.zeros((*shape, 1))  # of fxlms
         size = 0 if p.feedforward_method == 'fxlms' else contents.size
         self._least_squares = LeastSquares(size, shape)
+        self._spikes = SpikeLimit(p.feedforward_taps, dt, shape)
         self.backoff = Backoff(shape)
         self._boost = np.ones(shape)
         self._clipped = np.zeros(shape)  # samples until the regressor has no clipped one
@@ -99,6 +101,7 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
         p = parameters
         self._share = -math.expm1(-self.dt / p.feedforward_memory)
         window = max(round(p.watch_time / self.dt), 1)
+        self._spikes.floor = p.feedforward_floor
         self.backoff.tune(window, p.watch_ratio, p.feedforward_floor)
 
     def set_model(self, model: 'IirModel', trusted: Mask, covariance: Array | None = None) -> None:  # noqa: ARG002
@@ -113,6 +116,8 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
         lost = max(x.sequence - self._sequence - 1, 0) if self._sequence >= 0 else 0
         self._sequence = x.sequence
         lower = self.reference.measured(x.lower, lost)
+        alone = Phase.IDENTIFY not in {phase, self._phase}
+        usual = self._spikes.reference(lower, ~self.reference.missing & alone)
         if Phase.IDENTIFY in {phase, self._phase}:
             self.protection.learn(lower, x.applied, ~self.reference.missing)
             if phase != Phase.IDENTIFY:
@@ -120,23 +125,24 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
                 self.reference.set_reaction(self.protection.reaction, self.weights)
         own = x.applied if acted else np.zeros(self.shape)
         reference, effect = self.reference.step(
-            lower, x.applied, own, self.protection.reaction, self.weights
+            usual, x.applied, own, self.protection.reaction, self.weights
         )
         able = ~self.reference.missing & (self.reference.filling <= 0.0)
-        whole = self._unclipped(x)
-        alone = Phase.IDENTIFY not in {phase, self._phase}
+        unclipped = self._unclipped(x)
         # cut by the limit, and not only because another law has its share
         cut = x.saturated & acted & (np.abs(x.applied - self._demand * x.fade) > CUT)
         effect_of_law = np.where(acted, effect, 0.0)
+        predicted = x.upper - effect
+        error = predicted + dot(self.weights, self.reference.state.filtered)
+        whole = x.valid & unclipped & able & alone
+        shaken, shock = self._spikes.judge(error, predicted, whole)
         backoff, loud = self.backoff.step(
-            x.upper, reference, effect_of_law, cut, x.valid & whole & able & alone, acting
+            x.upper, reference, effect_of_law, cut, whole & ~shock, acting
         )
         self._phase = phase
         able = able & self.reference.known
         learns = (backoff == BackoffState.ACT) | (backoff == BackoffState.LISTEN)
-        active = able & learns & loud & x.valid & whole & ~x.saturated & acting
-        predicted = x.upper - effect
-        error = predicted + dot(self.weights, self.reference.state.filtered)
+        active = able & learns & loud & whole & ~x.saturated & acting & ~shaken
         self._adapt(error, active)
         self._bound(cut, backoff)
         wanted = self.backoff.share * dot(self.weights, self.reference.state.regressor)

@@ -81,10 +81,27 @@ def test_an_alarm_fades_out_forgets_and_rings_down():
     assert backoff.share == 0.0
 
 
+def test_it_tries_again_at_growing_intervals():
+    """The error grows with the voltage, always.
+
+    Truth: 10, 20, 40 watch times of 50 samples at 0 V, each ended by a new attempt.
+    """
+    backoff, waits, waiting = heard(), [], 0
+    while len(waits) < 3:
+        share = float(backoff.share)
+        state = judge(backoff, 1.0 + 3.0 * share, 1.0, effect=3.0 * share)[0]
+        if state == GIVEN_UP:
+            waiting += 1
+        elif waiting:
+            waits.append(waiting)
+            waiting = 0
+    assert waits == [500, 1000, 2000]
+
+
 def test_a_third_alarm_ends_it_and_success_takes_alarms_back():
     """The error grows with the voltage and goes with it.
 
-    Truth: three alarms give up for good; 500 samples of success after one bring the count and the pace back; 200
+    Truth: three alarms give up for 500 samples; 500 samples of success after one bring the count and the pace back; 200
     samples (four watch times) without any are the next alarm.
     """
     backoff = heard()
@@ -94,7 +111,7 @@ def test_a_third_alarm_ends_it_and_success_takes_alarms_back():
         if backoff.alarms >= 3:
             break
     judge(backoff, 0.1, 1.0, count=10)
-    assert judge(backoff, 0.1, 1.0, count=5000)[0] == GIVEN_UP
+    assert judge(backoff, 0.1, 1.0, count=450)[0] == GIVEN_UP
     forgiven = heard()
     while judge(forgiven, 4.0, 1.0, effect=3.0)[0] != RESTART:
         pass

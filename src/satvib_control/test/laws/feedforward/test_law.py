@@ -9,6 +9,7 @@ import pytest
 from satvib_common.phases import Phase
 from satvib_common.signals.iir_filter import IirFilter
 from satvib_control.laws.base import LawInput
+from satvib_control.laws.feedforward.law import GAVE_UP
 from satvib_control.laws.feedforward.wiener import wiener_optimum
 from satvib_control.laws.reasons import text_of
 from satvib_control.laws.registry import law_class, make_law
@@ -155,26 +156,50 @@ def test_a_phase_error_below_90_degrees_still_converges(settings, method):
 
 @pytest.mark.parametrize('method', ['fxrls', 'fxlms'])
 def test_beyond_90_degrees_it_backs_off_and_gives_up(settings, method):
-    """Truth, closed form: it cannot converge there. The voltage never reaches the rail and ends at 0 V, and the state
-    says why. The payload moves R = 3 times as much as without control before the alarm; twice that with what is under
-    way then.
+    """Truth, closed form: it cannot converge there. The voltage never reaches the rail, and the state says why. The
+    payload moves R = 3 times as much as without control before the alarm; twice that with what is under way then. What
+    is tried later ends at an alarm that needs R^(1/3) = 1.44; 1.6 with what is under way.
     """
     x, d = tone(6000)
     world = World(
         settings, model=turned([120, 180, -120]), shape=(3,), feedforward_method=method,
         feedforward_motion=False, feedforward_memory=0.5,
     )  # fmt: skip
-    y, u = world.run(x, d)
+    given_up = np.zeros((len(x), 3), dtype=bool)
+    y, u = np.zeros((2, len(x), 3))
+    for k in range(0, len(x), 20):
+        part = slice(k, k + 20)
+        y[part], u[part] = world.run(x[part], d[part])
+        given_up[part] = [world.reason(i) == text_of(GAVE_UP) for i in range(3)]
     assert np.abs(u).max() < 10.0
     assert np.abs(y).max() < 6.0 * np.abs(d).max()
-    assert not u[-1000:].any()
-    for i in range(3):
-        assert world.reason(i) == 'feedforward: given up, the error grew again and again: 0 V'
+    assert np.all(given_up[-4000:].mean(axis=0) > 0.5)
+    assert np.abs(y[-4000:]).max() < 1.6 * np.abs(d).max()
     # another model is another chance
     world.law.set_model(PATH, np.ones(3, dtype=bool))
     y, _ = world.run(x[:1600], d[:1600])
     for i in range(3):
         assert decibel(y[-400:, i], d[:400]) < -30.0
+
+
+@pytest.mark.parametrize('method', ['fxrls', 'fxlms'])
+def test_a_shock_is_not_learnt_from(settings, method):
+    """A half-sine of 20 ms and 20 m/s^2 on a tone that is cancelled.
+
+    Truth: the same run without the shock. Two seconds after it, when the integrals have forgotten it (0.5 Hz: e^-6),
+    the weights leave as much of the tone as there, within 1 dB and 1 % of the disturbance. The voltage stays below
+    20 V.
+    """
+    x, d = tone(2400)
+    shock = np.zeros(2400)
+    shock[1200:1204] = 20.0 * np.sin(np.pi * (np.arange(4) + 0.5) / 4)
+    shaken = d + lfilter([0.8, 0.3], [1.0, -0.6], np.concatenate([np.zeros(2), shock[:-2]]))
+    worlds = [World(settings, feedforward_method=method) for _ in range(2)]
+    calm, _ = worlds[0].run(x, d)
+    y, u = worlds[1].run(x + shock, shaken)
+    after = slice(1200 + int(2.0 * RATE), 1200 + int(3.0 * RATE))
+    assert np.sqrt((y[after] ** 2).mean()) < 1.12 * np.sqrt((calm[after] ** 2).mean()) + 0.01
+    assert np.abs(u).max() < 20.0
 
 
 def turned(degrees, frequency=10.0):
