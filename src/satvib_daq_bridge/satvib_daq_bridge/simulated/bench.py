@@ -14,6 +14,7 @@ from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_plant_sim.disturbance.factory import make_disturbance
 from satvib_plant_sim.plant.plant import Plant, Truth
+from satvib_plant_sim.rig.fine_grid import fitted_grid
 from satvib_plant_sim.rig.rig import Rig
 
 
@@ -30,11 +31,11 @@ class Bench:
     """
 
     def __init__(self, rig: Rig, disturbance: Mapping[str, Any], seed: int) -> None:
-        self.rig = rig
-        self.struts = rig.struts.count
         self._disturbance = make_disturbance(dict(disturbance) or {'kind': 'none'})
+        self.rig = fitted_grid(rig, [self._disturbance])
+        self.struts = rig.struts.count
         self._seed = seed
-        self._plant = Plant(rig, make_disturbance({'kind': 'none'}), seed)
+        self._plant = Plant(self.rig, make_disturbance({'kind': 'none'}), seed)
         self.begun = False
 
     def check_rate(self, rate: float) -> None:

@@ -22,7 +22,6 @@ from satvib_common.phases import Phase, PhasePlan
 from satvib_common.schema import Schema, param
 from satvib_plant_sim.plant.failures import Failure, check_failures
 from satvib_plant_sim.rig.any_rig import AnyRig, load_any_rig, strut_count
-from satvib_plant_sim.rig.rig import Rig
 
 from satvib_experiment.scenario.centralized_scheme import centralized_parameters, take_gains
 from satvib_experiment.scenario.folder import scenario_path
@@ -142,8 +141,17 @@ class Scenario(Schema):
         return PhasePlan.from_seconds(steps, self.duration, rate)
 
     def load_rig(self) -> AnyRig:
-        """Give the rig with its overrides applied."""
-        return load_any_rig(self.rig, self.rig_overrides)
+        """Give the rig with its overrides applied, its truth as fine as the disturbances need.
+
+        Raises:
+            SatvibError: no such rig, a value that it refuses, a disturbance that its truth cannot hold.
+        """
+        from satvib_plant_sim.disturbance.factory import make_disturbance
+        from satvib_plant_sim.rig.fine_grid import fitted_grid
+
+        later = [make_disturbance(f.disturbance) for f in self.failures if f.disturbance]
+        rig = load_any_rig(self.rig, self.rig_overrides)
+        return fitted_grid(rig, [self.make_disturbance(), *later])
 
     def make_disturbance(self) -> Disturbance:
         """Give the disturbance."""
@@ -210,20 +218,6 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
     return scenario
 
 
-def check_grid(scenario: Scenario, rig: AnyRig) -> None:
-    """Refuse disturbances that the rig's truth cannot hold. Identified models have no truth between samples.
-
-    Raises:
-        SatvibError: a frequency that is too high.
-    """
-    from satvib_plant_sim.disturbance.factory import make_disturbance
-
-    changed = [make_disturbance(f.disturbance) for f in scenario.failures if f.disturbance]
-    for disturbance in (scenario.make_disturbance(), *changed):
-        if isinstance(rig, Rig):
-            disturbance.check_grid(rig.acquisition.fine_steps * rig.acquisition.sample_rate)
-
-
 def check_scenario(scenario: Scenario, where: str) -> None:
     """Build every part of a scenario once, so that what is wrong shows before anything starts.
 
@@ -234,7 +228,6 @@ def check_scenario(scenario: Scenario, where: str) -> None:
         rig = scenario.load_rig()
         rate = rig.acquisition.sample_rate
         check_memory(scenario.plan(rate).end, rig)
-        check_grid(scenario, rig)
         check_failures(scenario.failures, rig, scenario.duration)
         scenario.identifier_parameters(rate)
         scenario.controller_parameters(rate)

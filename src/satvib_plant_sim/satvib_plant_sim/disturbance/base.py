@@ -25,6 +25,9 @@ from satvib_plant_sim.disturbance.window import Window
 
 Transfer = Callable[[float], float]
 
+# of the highest frequency, on the grid of the truth: less would make a tone lower by more than 0.2 %
+POINTS_PER_PERIOD = 40
+
 
 class Bank(Protocol):
     """Disturbances of one kind, one per row."""
@@ -97,6 +100,21 @@ class Disturbance(Schema):
                 raise SatvibError(
                     f'disturbance: {key}: {frequency} Hz is not below {0.5 * fine_rate} Hz, half the '
                     'rate of the truth (rig.acquisition.fine_rate)'
+                )
+
+    def check_points(self, fine_rate: float) -> None:
+        """Refuse frequencies for which a grid is too coarse, so that no amplitude is lower than it says.
+
+        Raises:
+            SatvibError: a frequency with fewer than `POINTS_PER_PERIOD` points in a period.
+        """
+        self.check_grid(fine_rate)
+        for part in self.parts():
+            key, frequency = part.highest()
+            if POINTS_PER_PERIOD * frequency > fine_rate * (1.0 + 1e-9):
+                raise SatvibError(
+                    f'disturbance: {key}: {frequency} Hz needs a truth of {POINTS_PER_PERIOD * frequency:g} points '
+                    f'per second, this rig has {fine_rate:g}; fitted_grid gives one that fits'
                 )
 
     def parts(self) -> tuple['Disturbance', ...]:

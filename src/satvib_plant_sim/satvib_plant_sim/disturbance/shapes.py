@@ -118,6 +118,10 @@ class Pulse(Shape):
         """Give the duration, s."""
         return self.duration
 
+    def highest(self) -> tuple[str, float]:
+        """Give the frequency of which the pulse is half a period."""
+        return 'duration', 0.5 / self.duration
+
     def values(self, transfer: Transfer) -> ShapeValues:  # noqa: ARG002 - no fixed frequency
         """The numbers of the pulse."""
         return ShapeValues(self.period or 0.0, ShapeKind.PULSE, self.amplitude, a=self.duration)
@@ -136,6 +140,10 @@ class Trapezoid(Shape):
         """Give the whole time, s."""
         return self.rise + self.hold + self.fall
 
+    def highest(self) -> tuple[str, float]:
+        """Give the frequency of which the whole is half a period; a flank may be as steep as a step."""
+        return 'hold', 0.5 / self.length()
+
     def values(self, transfer: Transfer) -> ShapeValues:  # noqa: ARG002 - no fixed frequency
         """The numbers of the trapezoid."""
         times = {'a': self.rise, 'b': self.hold, 'c': self.fall}
@@ -149,6 +157,11 @@ class Burst(Shape):
     kind: str = param('burst', 'kind', choices=('burst',))
     frequency: float = param(description='of the oscillation', unit='Hz', above=0.0)
     decay: float = param(description='time constant of the decay', unit='s', above=0.0)
+
+    def highest(self) -> tuple[str, float]:
+        """Give the frequency of the oscillation, or the corner of the decay where that is higher."""
+        edges = {'frequency': self.frequency, 'decay': 0.5 / (math.pi * self.decay)}
+        return max(edges.items(), key=lambda edge: edge[1])
 
     def values(self, transfer: Transfer) -> ShapeValues:  # noqa: ARG002 - no fixed frequency
         """The numbers of the burst."""

@@ -16,6 +16,7 @@ from satvib_plant_sim.plant.any_plant import AnyPlant
 from satvib_plant_sim.plant.failing_plant import FailingPlant, make_failing_plant
 from satvib_plant_sim.plant.failures import Failure
 from satvib_plant_sim.rig.any_rig import AnyRig, load_any_rig
+from satvib_plant_sim.rig.fine_grid import fitted_grid
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,8 +64,10 @@ class PlantParameters(Schema):
         return parse_settings(self.rig_overrides, 'rig_overrides')
 
     def load_rig(self) -> AnyRig:
-        """Load the rig with its overrides."""
-        return load_any_rig(self.rig, self.override_mapping())
+        """Load the rig with its overrides, its truth as fine as the disturbances need."""
+        later = [make_disturbance(f.disturbance) for f in self.make_failures() if f.disturbance]
+        rig = load_any_rig(self.rig, self.override_mapping())
+        return fitted_grid(rig, [self.make_disturbance(), *later])
 
     def make_disturbance(self) -> Disturbance:
         """Build the disturbance."""

@@ -101,7 +101,7 @@ class Plant:
     def _mix(self, rigs: Sequence[Rig]) -> Mixer:
         """Put the disturbances together; amplitudes are at the lower plates of these rigs."""
         for disturbance in self._disturbances:
-            disturbance.check_grid(1.0 / self.fine_period)
+            disturbance.check_points(1.0 / self.fine_period)
         transfers = [partial(source_transfer, r) for r in rigs]
         return Mixer(self._disturbances, self._seeds, transfers, self.fine_period, self.n_fine)
 

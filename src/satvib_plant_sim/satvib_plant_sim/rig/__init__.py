@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         strut_count,
         without_noise,
     )
+    from satvib_plant_sim.rig.fine_grid import fitted_grid
     from satvib_plant_sim.rig.identified_rig import IirRig
     from satvib_plant_sim.rig.random_rig import random_build, random_parts, random_payload
     from satvib_plant_sim.rig.rig import Rig, load_rig, rig_names
@@ -24,6 +25,7 @@ __all__ = [
     'IirRig',
     'Rig',
     'Stream',
+    'fitted_grid',
     'load_any_rig',
     'load_rig',
     'random_build',
