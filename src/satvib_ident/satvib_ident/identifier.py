@@ -23,7 +23,7 @@ from satvib_common.kernels.ordered_dot import dot
 from satvib_common.phases import Phase
 from satvib_common.sequence import Arrival, SequenceTracker
 from satvib_common.signals.calibration import BiasCalibration
-from scipy.special import chdtri
+from satvib_common.special import chi_squared_above
 
 from satvib_ident.estimators.factory import make_estimator, make_regressor
 from satvib_ident.models.iir_model import IirModel
@@ -273,8 +273,8 @@ class IdentifierCore:
         known = (count >= ENOUGH) & self.parameters.floor_from_noise
         deviation = np.where(known, self.calibration.standard_deviation, 0.0)
         freedom = np.maximum(count, ENOUGH) - 1.0
-        upper = deviation * np.sqrt(freedom / chdtri(freedom, CONFIDENCE))
-        floor = upper * np.sqrt(chdtri(self.parameters.poles, BY_CHANCE))
+        upper = deviation * np.sqrt(freedom / chi_squared_above(freedom, CONFIDENCE))
+        floor = upper * np.sqrt(chi_squared_above(self.parameters.poles, BY_CHANCE))
         floor = np.maximum(floor, self.parameters.regressor_floor)
         self.estimator.forgetting.know_noise(deviation)
         self._floor = floor * floor

@@ -1,67 +1,107 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where compiled kernels are kept, so that what is loaded always fits together and fits the source.
+"""Where compiled kernels are kept, so that what is loaded always fits the source and the machine.
 
-Numba keeps two files for a gufunc, the kernel and its wrapper, and the names inside them carry a counter of the process
-that compiled. Files of two processes do not fit together, and calling the result is a crash. It also does not see when
-a helper in another file has changed. Therefore every kernel has a folder of its own, named by a digest of all that its
-machine code depends on; one process at a time fills it, from empty; and it counts only once it is complete.
+A kernel is one shared library, named by a digest of all that its machine code depends on: its own instructions, those
+of the functions that it uses, the constants that it names, the compiler and the processor. Numba is not imported to
+find it. One process at a time compiles a kernel; the file appears whole.
 """
 
 import contextlib
 import fcntl
 import hashlib
-import inspect
-import shutil
+import os
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from enum import Enum
+from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
-import numba
-from llvmlite import binding
-from numba.core import config
-from numba.core.dispatcher import Dispatcher
+# of the libraries: what is written before it is of no use after it
+FORMAT = '1'
 
-COMPLETE = 'complete'
+_PROCESSOR = ('vendor_id', 'cpu family', 'model', 'stepping', 'flags', 'CPU ', 'Features')
 
 
 def digest(function: Callable[..., Any], *settings: str) -> str:
     """Name everything that the machine code of a kernel depends on, in 16 hexadecimal digits."""
     total = hashlib.sha256()
-    host = (binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten())
-    for text in (numba.__version__, *host, *settings):
+    for text in (FORMAT, sys.implementation.cache_tag or '', processor(), *settings):
         total.update(text.encode() + b'\0')
+    for package in ('numba', 'llvmlite'):
+        total.update(compiler_version(package))
     _add(total, function, set())
     return total.hexdigest()[:16]
 
 
-def _add(total: Any, function: Callable[..., Any], seen: set[str]) -> None:
-    """Add a function's file, its own source, and all compiled functions and constants that it names."""
-    path = function.__code__.co_filename
-    name = f'{path}:{function.__qualname__}'
-    if name in seen:
+@cache
+def processor() -> str:
+    """Name the processor and what it can do, as Linux does."""
+    try:
+        first = Path('/proc/cpuinfo').read_text(encoding='utf-8').partition('\n\n')[0]
+    except OSError:
+        return os.uname().machine
+    return '\n'.join(line for line in first.splitlines() if line.startswith(_PROCESSOR))
+
+
+@cache
+def compiler_version(package: str) -> bytes:
+    """Give the file that states the version of an installed package, which is not imported."""
+    spec = find_spec(package)
+    assert spec is not None
+    return (Path(spec.submodule_search_locations[0]) / '_version.py').read_bytes()  # type: ignore[index]
+
+
+def _add(total: Any, function: Callable[..., Any], seen: set[CodeType]) -> None:
+    """Add what a function does, and all compiled functions and constants that it names."""
+    code = function.__code__
+    if code in seen:
         return
-    seen.add(name)
-    # Numba's own stamp is the whole file's content: a folder is good for one content
-    total.update(Path(path).read_bytes())
-    total.update(inspect.getsource(function).encode() + b'\0')
-    for used in sorted(function.__code__.co_names):
+    seen.add(code)
+    total.update(repr((function.__defaults__, function.__kwdefaults__)).encode() + b'\0')
+    _add_code(total, code, function.__doc__)
+    for name, cell in zip(code.co_freevars, function.__closure__ or (), strict=True):
+        _add_value(total, name, cell.cell_contents, seen)
+    names = sorted(_names(code))
+    for used in names:
         value = function.__globals__.get(used)
         if isinstance(value, ModuleType):
             # the other names of the function are looked up in it too: what is there may be a helper or a constant
-            for member in sorted(function.__code__.co_names):
+            for member in names:
                 _add_value(total, f'{used}.{member}', getattr(value, member, None), seen)
         else:
             _add_value(total, used, value, seen)
 
 
-def _add_value(total: Any, name: str, value: Any, seen: set[str]) -> None:
+def _add_code(total: Any, code: CodeType, doc: str | None) -> None:
+    """Add instructions and constants, without places in the file: a comment elsewhere changes no machine code."""
+    total.update(code.co_code)
+    total.update(repr((code.co_names, code.co_varnames, code.co_freevars)).encode() + b'\0')
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            _add_code(total, constant, None)
+        elif isinstance(constant, frozenset):
+            total.update(repr(sorted(map(repr, constant))).encode() + b'\0')
+        elif doc is None or constant != doc:
+            total.update(repr(constant).encode() + b'\0')
+
+
+def _names(code: CodeType) -> set[str]:
+    """Give the global names of a function and of the functions in it."""
+    inner = (_names(c) for c in code.co_consts if isinstance(c, CodeType))
+    return set(code.co_names).union(*inner)
+
+
+def _add_value(total: Any, name: str, value: Any, seen: set[CodeType]) -> None:
     """Add what a name stands for, where machine code can depend on it."""
-    if isinstance(value, Dispatcher):
-        _add(total, value.py_func, seen)
+    if isinstance(value, FunctionType):
+        _add(total, value, seen)
+    elif isinstance(python := getattr(value, 'py_func', None), FunctionType):
+        _add(total, python, seen)  # what `numba.njit` itself has made
     elif isinstance(value, type) and issubclass(value, Enum):
         total.update(f'{name}={[(m.name, m.value) for m in value]!r}'.encode() + b'\0')
     elif isinstance(value, type) and issubclass(value, tuple):
@@ -71,35 +111,43 @@ def _add_value(total: Any, name: str, value: Any, seen: set[str]) -> None:
 
 
 @contextmanager
-def own_folder(function: Callable[..., Any], *settings: str) -> Iterator[None]:
-    """Let Numba's cache be the kernel's own complete folder, or an empty one that becomes complete at the end.
+def own_file(function: Callable[..., Any], *settings: str) -> Iterator[Path | None]:
+    """Give the file of a kernel; while it is missing, this process alone may make it.
 
-    Without a place to write, Numba's own rules hold (it then compiles at each start, or keeps nothing).
+    The file is beside the source, in NUMBA_CACHE_DIR when that is set, or in the user's cache when the folder of the
+    source cannot be written; None when that cannot be written either. Files of other versions are deleted.
     """
-    source = Path(function.__code__.co_filename).resolve()
-    root = Path(config.CACHE_DIR) if config.CACHE_DIR else source.parent / '__pycache__'
-    before = config.CACHE_DIR
+    source = Path(function.__code__.co_filename)
     # the whole module, since files of two rooms may be named alike
     name = f'kernel-{function.__module__}-{function.__name__}'
-    folder = root / f'{name}-{digest(function, *settings)}'
-    try:
-        root.mkdir(parents=True, exist_ok=True)
-        lock = (root / f'{name}.lock').open('a')
-    except OSError:
-        yield
-        return
-    with lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        complete = folder / COMPLETE
-        if not complete.exists():
-            # what another version or a killed process has left is not used
-            for stale in root.glob(f'{name}-{16 * "[0-9a-f]"}'):
-                shutil.rmtree(stale, ignore_errors=True)
-            folder.mkdir(parents=True, exist_ok=True)
-        config.CACHE_DIR = str(folder)
+    file = f'{name}-{digest(function, *settings)}.so'
+    folders = _folders(source)
+    for folder in folders:
+        if (folder / file).exists():
+            yield folder / file
+            return
+    for folder in folders:
         try:
-            yield
-        finally:
-            config.CACHE_DIR = before
-        with contextlib.suppress(OSError):
-            complete.touch()
+            folder.mkdir(parents=True, exist_ok=True)
+            lock = (folder / f'{name}.lock').open('a')
+        except OSError:
+            continue
+        with lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not (folder / file).exists():
+                for stale in folder.glob(f'{name}-{16 * "[0-9a-f]"}.so'):
+                    with contextlib.suppress(OSError):
+                        stale.unlink()
+            yield folder / file
+        return
+    yield None
+
+
+def _folders(source: Path) -> list[Path]:
+    """Where the kernel of a source may be, first choice first."""
+    if chosen := os.environ.get('NUMBA_CACHE_DIR'):
+        return [Path(chosen)]
+    home = Path(os.environ.get('XDG_CACHE_HOME') or Path.home() / '.cache')
+    # two sources of the same name in the user's cache keep apart
+    place = hashlib.sha256(str(source.parent).encode()).hexdigest()[:16]
+    return [source.parent / '__pycache__', home / 'satvib' / place]

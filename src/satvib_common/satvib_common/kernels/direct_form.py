@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One sample of a recursive filter, direct form II transposed."""
 
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 
 @njit(inline='always')

@@ -4,7 +4,7 @@
 
 from typing import Any
 
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 
 def polynomial(c: Any, x: Any) -> Any:

@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The product a^T b, summed from the first element to the last, so that its bits do not depend on the batch."""
 
-from numba import njit
-
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 
 
 @njit(inline='always')

@@ -8,7 +8,7 @@ exactly where the last coefficient of each order is below 1 in magnitude. A circ
 E. I. Jury, Theory and Application of the z-Transform Method, 1964.
 """
 
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 
 @njit(inline='always')

@@ -14,7 +14,7 @@ two round differently.
 G. J. Bierman, Factorization Methods for Discrete Sequential Estimation, Academic Press, 1977, section V.3.
 """
 
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 # Elements are kept within these: neither a million strong samples nor a million silent ones reach 0 or infinity.
 SMALLEST = 1e-150

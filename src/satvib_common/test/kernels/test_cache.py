@@ -9,7 +9,7 @@ import sys
 import pytest
 
 HELPER = """
-from numba import njit
+from {compiler} import njit
 
 @njit
 def scaled(x):
@@ -35,8 +35,8 @@ def folder(tmp_path):
     return tmp_path
 
 
-def write(folder, factor=2.0, offset=1.0):
-    (folder / 'helper_of_kernel.py').write_text(HELPER.format(factor=factor))
+def write(folder, factor=2.0, offset=1.0, compiler='satvib_common.kernels.deferred'):
+    (folder / 'helper_of_kernel.py').write_text(HELPER.format(factor=factor, compiler=compiler))
     (folder / 'some_kernel.py').write_text(KERNEL.format(offset=offset))
 
 
@@ -59,9 +59,7 @@ def result(process):
 
 
 def kept(folder):
-    return sorted(
-        p for p in (folder / '__pycache__').glob('kernel-some_kernel-affine-*') if p.is_dir()
-    )
+    return sorted((folder / '__pycache__').glob('kernel-some_kernel-affine-*.so'))
 
 
 def test_processes_that_start_together_on_a_cold_cache_all_compute(folder):
@@ -82,15 +80,91 @@ def test_a_changed_helper_or_constant_compiles_anew(folder, change, expected):
     assert after != before
 
 
-def test_what_a_killed_process_left_is_not_used(folder):
-    """A folder without its mark is incomplete; what is in it may not fit together."""
+def test_what_a_full_disk_left_is_not_used(folder):
+    """A library that cannot be loaded is made again."""
     assert result(start(folder)) == '[3.0, 3.0]'
     (only,) = kept(folder)
-    (only / 'complete').unlink()
-    for file in only.rglob('*.nbc'):
-        file.write_bytes(b'half a file')
+    only.write_bytes(only.read_bytes()[:1000])
     assert result(start(folder)) == '[3.0, 3.0]'
-    assert (only / 'complete').exists()
+    assert only.stat().st_size > 1000
+
+
+def test_a_comment_compiles_nothing(folder):
+    """Truth: the name of the library, which is a digest of what it depends on, and its time."""
+    result(start(folder))
+    (before,) = kept(folder)
+    written = before.stat().st_mtime_ns
+    for name in ('helper_of_kernel.py', 'some_kernel.py'):
+        path = folder / name
+        path.write_text('# a comment\n' + path.read_text())
+    assert result(start(folder)) == '[3.0, 3.0]'
+    assert [path.stat().st_mtime_ns for path in kept(folder)] == [written]
+
+
+def test_a_helper_made_by_numba_itself_is_followed(folder):
+    """A law of a user may take `njit` from Numba."""
+    write(folder, compiler='numba')
+    assert result(start(folder)) == '[3.0, 3.0]'
+    write(folder, factor=5.0, compiler='numba')
+    assert result(start(folder)) == '[6.0, 6.0]'
+    assert len(kept(folder)) == 1
+
+
+def test_without_a_linker_a_process_compiles_for_itself(folder, tmp_path_factory):
+    """Truth: the same arithmetic; nothing is kept."""
+    nothing = str(tmp_path_factory.mktemp('no_programs'))
+    assert run(folder, CALL, PATH=nothing) == '[3.0, 3.0]'
+    assert kept(folder) == []
+
+
+def test_a_folder_that_cannot_be_written_keeps_kernels_in_the_cache_of_the_user(folder, tmp_path):
+    """A package that root has installed; here a file is where the folder would be."""
+    (folder / '__pycache__').write_text('no folder')
+    home = tmp_path / 'cache'
+    for _ in range(2):
+        assert run(folder, CALL, XDG_CACHE_HOME=str(home)) == '[3.0, 3.0]'
+    (only,) = home.glob('satvib/*/kernel-some_kernel-affine-*.so')
+    assert only.stat().st_size > 0
+
+
+QUIET = """
+import sys
+import numpy as np
+import some_kernel
+some_kernel.affine(np.ones(2))
+print(sorted({'numba', 'llvmlite', 'scipy', 'coverage', 'matplotlib'} & set(sys.modules)))
+"""
+
+
+def test_a_kernel_on_disk_needs_no_compiler(folder):
+    """Truth: the modules of a process that finds its kernel, and of the one that has made it."""
+    assert "'numba'" in run(folder, QUIET)
+    assert run(folder, QUIET) == '[]'
+
+
+FAILING = """
+import numpy as np
+from satvib_common.kernels.compile import kernel
+
+@kernel('void(f8[:], f8[:])', '(n)->(n)')
+def cut(x, y):
+    y[:] = np.zeros(2)[: x.shape[0]]
+"""
+
+
+def test_an_error_of_machine_code_is_an_error_of_python(tmp_path):
+    """Truth: NumPy's own words for a shape that does not fit; Numba raises it, from what a library carries."""
+    (tmp_path / 'some_kernel.py').write_text(FAILING)
+    call = """
+import numpy as np
+import some_kernel
+try:
+    some_kernel.cut(np.ones(3))
+except ValueError as error:
+    print(error)
+"""
+    for _ in range(2):
+        assert 'cannot assign slice' in run(tmp_path, call)
 
 
 def test_a_linked_path_loads_what_the_source_compiled(folder, tmp_path_factory):
@@ -99,8 +173,7 @@ def test_a_linked_path_loads_what_the_source_compiled(folder, tmp_path_factory):
     linked = tmp_path_factory.mktemp('build') / 'linked'
     linked.symlink_to(folder)
     assert result(start(linked)) == '[3.0, 3.0]'
-    (only,) = kept(folder)
-    assert len([p for p in only.iterdir() if p.is_dir()]) == 1
+    assert len(kept(folder)) == 1
 
 
 MEMBER = """
@@ -158,6 +231,6 @@ def test_modules_and_kernels_of_the_same_name_keep_both(tmp_path):
     for _ in range(2):
         for room, expected in [('one', '[1.0]'), ('two', '[2.0]')]:
             assert run(tmp_path, code.format(room), NUMBA_CACHE_DIR=str(cache)) == expected
-        found.append({p: p.stat().st_mtime_ns for p in cache.rglob('complete')})
+        found.append({p: p.stat().st_mtime_ns for p in cache.rglob('*.so')})
     assert len(found[0]) == 2
     assert found[0].keys() == found[1].keys()

@@ -32,12 +32,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 from satvib_common.kernels.horner_rule import horner
-from scipy.special import gammaincinv
+from satvib_common.special import chi_squared_below
 
 from satvib_control.model_analysis.transfer import model_polynomials, multiply, stable
 
@@ -215,8 +215,7 @@ def gain_bounds(
     if covariance is None:
         cov = np.zeros((0, 0))
     else:
-        # the quantile of chi squared, without scipy.stats: its import would take a third of a second during the run
-        quantile = 2.0 * float(gammaincinv(0.5 * size, confidence))
+        quantile = chi_squared_below(size, confidence)
         cov = np.asarray(covariance, dtype=float) * quantile
         cov = np.where(np.isfinite(cov), cov, 0.0)
     with np.errstate(all='ignore'):

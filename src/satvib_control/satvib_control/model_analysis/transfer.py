@@ -10,10 +10,10 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 from satvib_common.kernels.horner_rule import horner, polynomial
 from satvib_common.kernels.schur_cohn import inside_unit_circle
 from satvib_ident.models.iir_model import IirModel

@@ -6,9 +6,9 @@ G. H. Golub and C. F. Van Loan, Matrix Computations, 2013, section 8.5.
 """
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 
 
 @njit(inline='always')

@@ -19,9 +19,9 @@ G. J. Bierman, Factorization Methods for Discrete Sequential Estimation, Academi
 """
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 from satvib_common.kernels.ud import LARGEST, measure_one
 
 

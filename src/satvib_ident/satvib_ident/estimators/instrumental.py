@@ -21,10 +21,10 @@ Identification, 1989, chapter 8.
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 from satvib_common.kernels.ordered_dot import dot_of
 
 from satvib_ident.estimators.extended import ExtendedLeastSquares

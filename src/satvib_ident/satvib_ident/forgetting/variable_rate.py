@@ -17,11 +17,11 @@ import math
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
-from scipy.special import fdtri
+from satvib_common.kernels.deferred import njit
+from satvib_common.special import f_below
 
 from satvib_ident.forgetting.none import NoForgetting
 from satvib_ident.forgetting.protocol import Factors
@@ -136,7 +136,7 @@ class VariableRateForgetting(NoForgetting):
         if not 0.0 < smallest <= 1.0:
             raise SatvibError(f'variable-rate forgetting: lambda_min {smallest} is not in (0, 1]')
         self.short, self.long, self.rate, self.smallest = short, long, rate, smallest
-        self.threshold = math.sqrt(float(fdtri(short, long, confidence)))
+        self.threshold = math.sqrt(f_below(short, long, confidence))
         self.settings = np.zeros(len(Setting))
         self.settings[Setting.SHORT] = short
         self.settings[Setting.THRESHOLD] = self.threshold

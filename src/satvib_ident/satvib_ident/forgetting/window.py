@@ -12,10 +12,10 @@ Memory: N (p + 1) numbers per item. Samples that are not used do not slide the w
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 from satvib_common.kernels.ordered_dot import dot_of
 from satvib_common.kernels.ud import column_product, measure_one
 

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex
 from satvib_common.errors import SatvibError
-from scipy.linalg import logm, solve
 
 from satvib_ident.models.polynomials import roots
 
@@ -125,6 +124,8 @@ def _zoh_item(a: Array, b: Array, dt: float) -> tuple[Array, Array]:
     step[:n, :n] = phi
     step[0, n] = 1.0
     step[n, n] = 1.0
+    from scipy.linalg import logm, solve  # slow to import, and no node asks for it
+
     log = np.real(logm(step)) / dt
     state, drive = log[:n, :n], log[:n, n]
     row, through = full[1:] - full[0] * a, full[0]

@@ -7,9 +7,9 @@ circle, and the radius of the circle is bisected. This is plain arithmetic, so t
 """
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array, Complex
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 from satvib_common.kernels.schur_cohn import inside_circle
 
 

@@ -7,10 +7,10 @@ what is saved is the way from Python to a kernel, several for each sample.
 """
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import body, kernel
+from satvib_common.kernels.deferred import njit
 
 from satvib_ident.estimators import extended as extended_module
 from satvib_ident.estimators import instrumental as instrumental_module

@@ -14,9 +14,9 @@ G. M. Ljung and G. E. P. Box, On a measure of lack of fit in time series models,
 """
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 
 from satvib_ident.trust.recent import Recent, RecentSamples, latest, move_on, put
 

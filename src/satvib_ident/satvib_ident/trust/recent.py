@@ -8,8 +8,8 @@ A ring holds every value twice, half its length apart. So the window always lies
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Mask
+from satvib_common.kernels.deferred import njit
 
 
 class Recent(IntEnum):

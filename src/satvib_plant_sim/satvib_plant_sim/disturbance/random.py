@@ -18,7 +18,6 @@ from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 from satvib_common.schema import param
-from scipy.signal import fftconvolve, firwin
 
 from satvib_plant_sim.disturbance.base import Bank, Clock, Disturbance, Transfer
 from satvib_plant_sim.disturbance.window import Window, acts
@@ -92,6 +91,8 @@ class _Row:
     """One disturbance: its filter and its two blocks of knots."""
 
     def __init__(self, settings: Random, seed: tuple[int, ...], clock: Clock) -> None:
+        from scipy.signal import firwin  # slow to import, and most disturbances are no noise
+
         rate = 1.0 / clock.period
         if settings.high > 0.4 * rate:
             raise SatvibError(
@@ -125,6 +126,8 @@ class _Row:
 
     def _values(self, block: int) -> Array:
         """Knots of one block; always by the same operations, in any order of the blocks."""
+        from scipy.signal import fftconvolve
+
         noise = np.concatenate(
             [
                 np.random.default_rng([*self.seed, b]).standard_normal(self.block)

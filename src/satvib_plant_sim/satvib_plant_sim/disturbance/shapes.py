@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import ClassVar, NamedTuple
 
-from numba import njit
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import Kernel, kernel
+from satvib_common.kernels.deferred import njit
 from satvib_common.schema import param
 
 from satvib_plant_sim.disturbance.base import Disturbance, Transfer

@@ -4,7 +4,7 @@
 
 from enum import IntEnum
 
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 
 class Window(IntEnum):

@@ -15,7 +15,7 @@ solution (bisection), and a few Gauss-Seidel sweeps settle the weak coupling of 
 
 from typing import Any, NamedTuple
 
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 SWEEPS = 8
 BISECTIONS = 60

@@ -19,8 +19,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 
 from satvib_plant_sim.rig.rig import Rig
 from satvib_plant_sim.rig.streams import Stream

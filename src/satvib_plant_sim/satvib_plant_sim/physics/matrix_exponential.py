@@ -11,8 +11,8 @@ remainder is below 1e-19), squaring.
 """
 
 import numpy as np
-from numba import njit
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 
 
 @njit

@@ -9,8 +9,6 @@ import math
 
 import numpy as np
 from satvib_common.arrays import Array
-from scipy.linalg import expm
-from scipy.optimize import least_squares
 
 from satvib_plant_sim.physics.mechanics import mechanics
 from satvib_plant_sim.physics.state import PlateSlot, state_of, state_size
@@ -55,6 +53,8 @@ def free_response(rig: Rig, duration: float = 0.15, heave: float = 1e-3) -> tupl
     Returns:
         Times (t,), s, every 0.25 ms, and the motions w_i (n, t), m, relative to the source.
     """
+    from scipy.linalg import expm  # a plant that runs needs no SciPy
+
     n = rig.struts.count
     h = 0.25e-3
     E = expm(mechanics(rig).A * h)
@@ -74,6 +74,8 @@ def strut_modes(rig: Rig, duration: float = 0.15) -> tuple[Array, Array]:
     Returns:
         wn (n,), rad/s, and zeta (n,).
     """
+    from scipy.optimize import least_squares
+
     times, motion = free_response(rig, duration)
     start = 2.0 * math.pi * float(np.mean(modal_frequencies(rig)))
     found = []

@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
-from scipy.linalg import cholesky
 
 from satvib_plant_sim.physics.converters import lsb
 from satvib_plant_sim.physics.matrix_exponential import exponential
@@ -50,7 +49,7 @@ def _factor(covariance: Array) -> Array:
         return np.zeros_like(covariance)
     # in a short step the last stages hardly move: this keeps the matrix positive definite at rounding level
     tiny = np.eye(len(covariance)) * 1e-15
-    factor: Array = cholesky(covariance / scale + tiny, lower=True) * np.sqrt(scale)
+    factor: Array = np.linalg.cholesky(covariance / scale + tiny) * np.sqrt(scale)
     return factor
 
 

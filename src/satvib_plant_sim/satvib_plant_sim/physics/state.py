@@ -9,7 +9,7 @@ currents. Compiled code calls `compiled_state_of`.
 from enum import IntEnum
 from typing import Any, NamedTuple
 
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 
 class PlateSlot(IntEnum):

@@ -10,8 +10,8 @@ the lower one. The lower plate is one body, so its chain serves all struts.
 from enum import IntEnum
 from typing import Any, NamedTuple
 
-from numba import njit
 from satvib_common.arrays import Array
+from satvib_common.kernels.deferred import njit
 
 from satvib_plant_sim.physics.state import compiled_state_of
 

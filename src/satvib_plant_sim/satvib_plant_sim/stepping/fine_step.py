@@ -17,7 +17,7 @@ The stops are those of `contact`.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 from satvib_plant_sim.physics.contact import Stops, solve_stops
 from satvib_plant_sim.stepping.design import DRIVING, LANES

@@ -13,8 +13,8 @@ from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array
+from satvib_common.kernels.deferred import njit
 
 _NEVER = 1e18  # fine steps
 

@@ -8,8 +8,8 @@ Every fine step is exact for the linear rig (`discretize`), with the voltages of
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 
 from satvib_plant_sim.physics.state import PlateSlot
 from satvib_plant_sim.stepping.design import DriveSlot, named_design, row_of

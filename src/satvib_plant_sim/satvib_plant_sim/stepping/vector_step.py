@@ -9,10 +9,7 @@ once (IEEE 754), in the order of `order`. A processor without fma computes the v
 
 from typing import Any
 
-from llvmlite import ir
-from numba import njit, types
-from numba.core import cgutils
-from numba.extending import intrinsic
+from satvib_common.kernels.deferred import intrinsic, njit
 
 from satvib_plant_sim.stepping.design import DRIVING, LANES
 
@@ -20,11 +17,18 @@ _WIDTH = LANES
 
 
 @intrinsic
-def _fused(typing_context, a, b, c):  # noqa: ARG001
-    def generate(context, builder, signature, values):  # noqa: ARG001
-        return builder.fma(*values)
+def _fused() -> Any:
+    from numba import types
+    from numba.extending import intrinsic
 
-    return types.float64(types.float64, types.float64, types.float64), generate
+    @intrinsic
+    def fused(typing_context, a, b, c):  # noqa: ARG001
+        def generate(context, builder, signature, values):  # noqa: ARG001
+            return builder.fma(*values)
+
+        return types.float64(types.float64, types.float64, types.float64), generate
+
+    return fused
 
 
 @njit
@@ -51,16 +55,23 @@ def vector_step(n: int, stages: int) -> Any:
     size, rows = 3 * n + 2, DRIVING + LANES * stages
 
     @intrinsic
-    def machine(typing_context, step, chain, x, y):  # noqa: ARG001
-        def generate(context, builder, signature, values):
-            pointers = [
-                context.make_array(kind)(context, builder, value).data
-                for kind, value in zip(signature.args, values, strict=True)
-            ]
-            _write(builder, pointers, size, stages, rows)
-            return context.get_dummy_value()
+    def machine() -> Any:
+        from numba import types
+        from numba.extending import intrinsic
 
-        return types.void(step, chain, x, y), generate
+        @intrinsic
+        def one_step(typing_context, step, chain, x, y):  # noqa: ARG001
+            def generate(context, builder, signature, values):
+                pointers = [
+                    context.make_array(kind)(context, builder, value).data
+                    for kind, value in zip(signature.args, values, strict=True)
+                ]
+                _write(builder, pointers, size, stages, rows)
+                return context.get_dummy_value()
+
+            return types.void(step, chain, x, y), generate
+
+        return one_step
 
     @njit
     def fixed(step, chain, x, y):
@@ -71,6 +82,9 @@ def vector_step(n: int, stages: int) -> Any:
 
 def _write(builder: Any, pointers: list[Any], size: int, stages: int, rows: int) -> None:
     """Write the instructions of one step."""
+    from llvmlite import ir
+    from numba.core import cgutils
+
     step, chain, x, y = pointers
     vector = ir.VectorType(ir.DoubleType(), _WIDTH)
     nothing = ir.Constant(vector, ir.Undefined)

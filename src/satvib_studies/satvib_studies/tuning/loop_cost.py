@@ -18,8 +18,8 @@ from enum import IntEnum
 from typing import Any
 
 import numpy as np
-from numba import njit
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 
 
 class LoopFigure(IntEnum):

@@ -42,9 +42,9 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 
 # How much: powers and shares
 ALARMS = 3  # alarms until the law gives up: two may have a cause that passes

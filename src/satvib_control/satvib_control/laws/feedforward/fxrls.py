@@ -24,9 +24,9 @@ hold here too.
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 from satvib_common.kernels.ordered_dot import dot_of
 from satvib_common.kernels.ud import LARGEST, bounded, change_column, column_product
 

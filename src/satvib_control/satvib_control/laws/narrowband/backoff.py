@@ -37,7 +37,7 @@ disturb each other less so.
 import math
 from enum import IntEnum
 
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 from satvib_control.laws.narrowband.memory import Backoff, Setting, Tracking
 

@@ -19,8 +19,8 @@ caught (its memory still below six wanted paces) twice the limit is allowed.
 import math
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array
+from satvib_common.kernels.deferred import njit
 
 from satvib_control.laws.narrowband.memory import Backoff, Point, Setting, Tone, Tracking
 from satvib_control.laws.narrowband.model_correction import factor

@@ -28,7 +28,7 @@ third. An attempt without effect gives no correction: the drift of a frequency t
 
 import math
 
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 from satvib_control.laws.narrowband.memory import Correction, Setting
 

@@ -27,7 +27,7 @@ not. Beside a tone the floor waits there, because a second tone is no noise.
 import math
 
 import numpy as np
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 from satvib_control.laws.narrowband.memory import Floor, Setting, Tone, Tracking
 from satvib_control.laws.narrowband.tracker import begin

@@ -5,8 +5,8 @@
 import math
 
 import numpy as np
-from numba import njit
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 from satvib_common.kernels.direct_form import filter_sample
 
 from satvib_control.laws.narrowband.backoff import Verdict, restart, rung_down, watch

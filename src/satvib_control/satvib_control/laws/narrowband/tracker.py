@@ -37,7 +37,7 @@ then searches again in the window, which by then holds the new tones only.
 
 import math
 
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 from satvib_control.laws.narrowband.memory import Setting, Tone, Tracking
 

@@ -12,8 +12,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array, Complex
+from satvib_common.kernels.deferred import njit
 
 from satvib_control.laws.narrowband.memory import Backoff, Setting, Tone
 from satvib_control.laws.narrowband.model_correction import factor

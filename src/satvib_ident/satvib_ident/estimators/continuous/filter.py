@@ -14,7 +14,6 @@ import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
-from scipy.linalg import expm
 
 
 @kernel(
@@ -58,6 +57,8 @@ class StateVariableFilter:
                 f'filter_corner: {corner} Hz is not between 0 and half the sample rate, '
                 f'{0.5 / dt:g} Hz'
             )
+        from scipy.linalg import expm  # slow to import, and most estimators do not filter
+
         c = 2.0 * math.pi * corner
         poly = np.array([math.comb(order, i) * c ** (order - i) for i in range(order)])
         A = np.eye(order, k=1)

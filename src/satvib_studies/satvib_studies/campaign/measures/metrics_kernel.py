@@ -14,8 +14,8 @@ first value, so that a sensor's bias costs no digits. Attenuations are Eq. (42),
 import math
 
 import numpy as np
-from numba import njit
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 
 
 @njit
