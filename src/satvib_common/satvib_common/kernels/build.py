@@ -133,7 +133,7 @@ def _with_symbols(text: str, loop: str, about: About) -> str:
         slots.append(f'@{SLOT}{name} = global ptr null\n')
         return _trampoline(before.strip(), name, arguments)
 
-    text = _DECLARED.sub(through_slot, text)
+    text = _raising(_DECLARED.sub(through_slot, text))
     line = about.text()
     words = ''.join(f'\\{byte:02x}' for byte in line)
     return ''.join([
@@ -143,6 +143,27 @@ def _with_symbols(text: str, loop: str, about: About) -> str:
         f'@{ABOUT} = constant [{len(line) + 1} x i8] c"{words}\\00"\n',
         f'@{LOOP} = alias void (ptr, ptr, ptr, ptr), ptr @{loop}\n',
     ])  # fmt: skip
+
+
+def _raising(text: str) -> str:
+    """Let functions that raise read which exception it is.
+
+    In its own process Numba gives `PyExc_ValueError` the address of the class. In a library it is what Python's headers
+    say: a variable that holds that address.
+    """
+    added = []
+    for name, more in (('PyErr_SetNone', ''), ('PyErr_SetString', ', ptr %text')):
+        if f'@{name}(' in text:
+            text = text.replace(f'@{name}(', f'@satvib_{name}(')
+            text = re.sub(
+                rf'^declare (.*)@satvib_{name}\(', rf'declare \1@{name}(', text, flags=re.MULTILINE
+            )
+            added.append(
+                f'define internal void @satvib_{name}(ptr %variable{more}) {{\n'
+                '  %class = load ptr, ptr %variable\n'
+                f'  call void @{name}(ptr %class{more})\n  ret void\n}}\n'
+            )
+    return '\n'.join([text, *added])
 
 
 def _trampoline(before: str, name: str, arguments: str) -> str:
