@@ -25,9 +25,9 @@ limit where the power has been below a fifth of its mean over 5 s within the las
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 
 SPIKE = 25.0  # power over its mean; five standard deviations
 SPIKE_TIME = 3.0  # s, of the means
