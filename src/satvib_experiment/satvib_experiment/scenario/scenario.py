@@ -187,10 +187,26 @@ class Scenario(Schema):
                 self._shared(rate, lockstep),
             )  # fmt: skip
         own = {'strut': strut_index, 'struts': struts or strut_count(self.load_rig())}
+        own |= self._weights(rate)
         return ControllerParameters.from_mapping(
             self.controller | self._shared(rate, lockstep) | own,
             f'scenario {self.name}: controller',
         )
+
+    def _weights(self, rate: float) -> dict[str, Any]:
+        """What `narrowband_serve: payload` needs to know of the rig, unless the scenario gives it."""
+        settings = self.controller
+        if settings.get('narrowband_serve') != 'payload' or 'narrowband_weights' in settings:
+            return {}
+        from satvib_plant_sim.responses.images import weight_table
+
+        rig = self.load_rig()
+        if not isinstance(rig, Rig):
+            raise SatvibError(
+                f'scenario {self.name}: controller.narrowband_serve: {rig.name} is a rig of identified models; '
+                'nothing is known of it between the samples'
+            )
+        return {'narrowband_weights': weight_table(rig, 1.0, 0.45 * rate)}
 
     def _shared(self, rate: float, lockstep: bool) -> dict[str, Any]:
         values = (float(rate), lockstep, self.model_period)

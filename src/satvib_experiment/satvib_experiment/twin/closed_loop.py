@@ -95,6 +95,11 @@ class ClosedLoop:
 
     def _check_batch(self) -> None:
         first = self.scenarios[0]
+        own_weights = first.controller.get('narrowband_serve') == 'payload'
+        if own_weights and any(rig != self.rigs[0] for rig in self.rigs):
+            raise SatvibError(
+                'batch: controller.narrowband_serve: the weights of payload are those of one rig, run them one by one'
+            )
         for scenario, rig in zip(self.scenarios, self.rigs, strict=True):
             for name in BATCH_SHARES:
                 if getattr(scenario, name) != getattr(first, name):

@@ -19,6 +19,12 @@ if TYPE_CHECKING:
         source_transfer,
         state_space,
     )
+    from satvib_plant_sim.responses.images import (
+        hold_response,
+        lines,
+        payload_weight,
+        weight_table,
+    )
     from satvib_plant_sim.responses.one_strut import (
         SampledModel,
         discrete_strut_model,
@@ -32,10 +38,14 @@ __all__ = [
     'StateSpace',
     'discrete_strut_model',
     'frequency_response',
+    'hold_response',
+    'lines',
+    'payload_weight',
     'rig_response',
     'sampled_rig',
     'source_transfer',
     'state_space',
     'strut_response',
+    'weight_table',
 ]
 __getattr__, __dir__ = door(__name__, __file__)

@@ -25,6 +25,9 @@ Guarantees:
   has shown how the plant answers at the tone, and the model is corrected there (`model_correction`).
 - Where no tone stands out of the noise the voltage is 0.
 
+The samples are what the law brings to zero. Where the images of the hold cost more than they are worth, a weight on
+each tone's voltage serves the payload between the samples (`narrowband_serve`).
+
 One sample (`step`): the observer gives d. The tracker follows its tones, and from time to time the search looks for
 new ones. The tones ask for a voltage within the limit (`voltage`). The back-off lets it through or not, and the tones
 are faded in.
@@ -59,6 +62,7 @@ from satvib_control.laws.narrowband.memory import (
     Setting,
     Shown,
     Tone,
+    Weight,
 )
 from satvib_control.laws.narrowband.parameters import NarrowbandParameters
 from satvib_control.laws.narrowband.search import grid_size
@@ -89,6 +93,7 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
     ) -> None:
         super().__init__(parameters, dt, shape)
         self._settings = _settings(parameters, dt)
+        self._weights = _weights(parameters, dt)
         self._past = np.full((*shape, max(round(PAST / dt), 1), len(Past)), -1.0)
         self._next = 0
         self._model = TrustedModel(shape)
@@ -127,7 +132,7 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
         narrowband_replay(*self._design(), *memory, self._past, oldest, follow, self._shown)
 
     def _design(self) -> Design:
-        return Design(self._model.b, self._model.a, self._settings, self._points)
+        return Design(self._model.b, self._model.a, self._settings, self._points, self._weights)
 
     def step(self, x: LawInput, phase: Phase) -> Array:
         """Give the voltage (shape, V); 0 V in ADAPT, where the law only listens."""
@@ -199,3 +204,12 @@ def _settings(p: NarrowbandParameters, dt: float) -> Array:
     settings[Setting.FIRST_HOLD] = FIRST_HOLD * settings[Setting.PACE]
     settings[Setting.WINDOW] = window
     return settings
+
+
+def _weights(p: NarrowbandParameters, dt: float) -> Array:
+    """Give the weights (w, Weight); one row of 1 where the samples are served."""
+    if p.narrowband_serve != 'payload':
+        return np.array([[0.0, 1.0, 0.0]])
+    weights = np.array(p.narrowband_weights, dtype=float).reshape(-1, len(Weight))
+    weights[:, Weight.OMEGA] *= 2.0 * math.pi * dt
+    return weights

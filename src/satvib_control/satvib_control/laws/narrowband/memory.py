@@ -148,6 +148,14 @@ class Point(IntEnum):
     IM = 2
 
 
+class Weight(IntEnum):
+    """Columns of `weights`, by which a tone's voltage is multiplied to serve the payload between the samples."""
+
+    OMEGA = 0  # rad/sample
+    RE = 1
+    IM = 2
+
+
 class Shown(IntEnum):
     """Places in `shown`, what a step shows."""
 
@@ -168,12 +176,14 @@ class Design(NamedTuple):
         b, a: (m) polynomials of the model in z^-1, V to m/s^2.
         settings: (Setting).
         points: (q, Point).
+        weights: (w, Weight), by increasing frequency; one row: none.
     """
 
     b: Array
     a: Array
     settings: Array
     points: Array
+    weights: Array
 
 
 class Memory(NamedTuple):

@@ -54,9 +54,35 @@ class NarrowbandParameters(LawParameters):
         read_only=True,
     )
 
+    narrowband_serve: str = param(
+        'samples',
+        'what is brought to its least: the samples, or the payload between them, images of the hold included; '
+        'payload needs narrowband_weights',
+        choices=('samples', 'payload'),
+        read_only=True,
+    )
+    narrowband_weights: tuple[float, ...] = param(
+        (),
+        'frequency (Hz), real and imaginary part of the weight on the voltage of a tone, and so on by increasing '
+        'frequency; a scenario makes it from its rig',
+        read_only=True,
+    )
+
     def check(self) -> None:
-        """Check the band of frequencies where the law is in use."""
+        """Check the band of frequencies and the weights where the law is in use."""
         super().check()
+        weights = self.narrowband_weights
+        if 'narrowband' in self.law and self.narrowband_serve == 'payload':
+            frequencies = weights[::3]
+            if (
+                len(weights) < 6
+                or len(weights) % 3
+                or list(frequencies) != sorted(set(frequencies))
+            ):
+                raise SatvibError(
+                    f'narrowband_weights: {len(weights)} numbers; two or more rows of frequency, real and imaginary '
+                    'part by increasing frequency are expected'
+                )
         nyquist = 0.5 * self.sample_rate
         if 'narrowband' in self.law:
             high = self.narrowband_high or 0.45 * self.sample_rate

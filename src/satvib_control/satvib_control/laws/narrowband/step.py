@@ -127,29 +127,31 @@ def _learn_from_attempt(settings, memory, sample, act, omega, d):
         learn(memory.correction, settings, omega, sample.y, sample.y - d)
 
 
-# b, a, settings, points; model, tracking, backoff, correction, tones, rings, floor
-ITEM = 'f8[:], f8[:], f8[:], f8[:,:], f8[:], f8[:], f8[:], f8[:], f8[:,:], f8[:,:], f8[:,:]'
-LAYOUT = '(m),(m),(p),(q,r),(k),(c),(h),(e),(t,s),(z,w),(f,g)'
+# b, a, settings, points, weights; model, tracking, backoff, correction, tones, rings, floor
+ITEM = (
+    'f8[:], f8[:], f8[:], f8[:,:], f8[:,:], f8[:], f8[:], f8[:], f8[:], f8[:,:], f8[:,:], f8[:,:]'
+)
+LAYOUT = '(m),(m),(p),(q,r),(x,y),(k),(c),(h),(e),(t,s),(z,w),(f,g)'
 WRITABLE = (*Memory._fields, 'shown')
 
 
 @kernel(f'void({ITEM}, f8, f8, f8, f8, f8[:], f8[:])', f'{LAYOUT},(),(),(),(),(o)->()', WRITABLE)
 def narrowband_step(
-    b, a, settings, points, model, tracking, backoff, correction, tones, rings, floor,
+    b, a, settings, points, weights, model, tracking, backoff, correction, tones, rings, floor,
     y, applied, valid, act, shown, u,
 ):  # fmt: skip
     """Give the voltage of one sample; see `Sample`. `valid`: 1, 0, or -1 where there is no model: nothing is done."""
     if valid < 0.0:
         u[0] = 0.0
         return
-    design = Design(b, a, settings, points)
+    design = Design(b, a, settings, points, weights)
     memory = Memory(model, tracking, backoff, correction, tones, rings, floor)
     u[0] = one_sample(design, memory, Sample(y, applied, valid > 0.0, act > 0.0), shown)
 
 
 @kernel(f'void({ITEM}, f8[:,:], f8, f8, f8[:], f8[:])', f'{LAYOUT},(l,v),(),(),(o)->()', WRITABLE)
 def narrowband_replay(
-    b, a, settings, points, model, tracking, backoff, correction, tones, rings, floor,
+    b, a, settings, points, weights, model, tracking, backoff, correction, tones, rings, floor,
     past, oldest, follow, shown, done,
 ):  # fmt: skip
     """Run over the past.
@@ -159,7 +161,7 @@ def narrowband_replay(
         follow: 1: model and tones, 0: the model alone, -1: nothing.
         done: out, samples run.
     """
-    design = Design(b, a, settings, points)
+    design = Design(b, a, settings, points, weights)
     memory = Memory(model, tracking, backoff, correction, tones, rings, floor)
     length = past.shape[0]
     done[0] = 0.0

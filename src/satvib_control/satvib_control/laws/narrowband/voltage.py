@@ -6,6 +6,9 @@ The voltage of a tone is faded in over two wanted paces, and slower after it did
 with a wrong phase turns the tracked tone slowly. While a tone is being caught its frequency is uncertain by 3 / N rad.
 Where the mean of |G|^2 over that uncertainty is more than |G|^2 at the frequency, as beside a zero of the plant,
 G* / mean |G|^2 stands in the place of 1 / G.
+
+With `narrowband_serve: payload` a tone's voltage is multiplied by a weight. It serves the payload between the samples
+instead of the samples (`satvib_plant_sim.responses.images`).
 """
 
 import math
@@ -15,7 +18,7 @@ import numpy as np
 from satvib_common.arrays import Array, Complex
 from satvib_common.kernels.deferred import njit
 
-from satvib_control.laws.narrowband.memory import Backoff, Setting, Tone
+from satvib_control.laws.narrowband.memory import Backoff, Setting, Tone, Weight
 from satvib_control.laws.narrowband.model_correction import factor
 from satvib_control.laws.narrowband.tracker import PACES
 from satvib_control.model_analysis.transfer import respond
@@ -52,6 +55,8 @@ def ask(design, memory):
         demand.inverse[i] = _invert(design, memory.correction, t)
         if demand.inverse[i] == 0.0:
             continue
+        if design.weights.shape[0] > 1:
+            demand.inverse[i] *= weight(design.weights, t[Tone.OMEGA])
         amplitude = math.sqrt(t[Tone.RE] * t[Tone.RE] + t[Tone.IM] * t[Tone.IM])
         demand.volts[i] = amplitude * abs(demand.inverse[i])
         tracking = True
@@ -75,6 +80,22 @@ def _invert(design, correction, t):
         above = abs(_response(design, correction, min(omega + width, math.pi))) ** 2
         power = max(power, (below + power + above) / 3.0)
     return response.conjugate() / power
+
+
+@njit
+def weight(weights, omega):
+    """Give the complex weight at a frequency (rad/sample): linear between the rows, that of the end beyond them."""
+    last = weights.shape[0] - 1
+    place = np.searchsorted(weights[:, Weight.OMEGA], omega)
+    if place == 0 or place > last:
+        row = weights[0 if place == 0 else last]
+        return complex(row[Weight.RE], row[Weight.IM])
+    below, above = weights[place - 1], weights[place]
+    part = (omega - below[Weight.OMEGA]) / (above[Weight.OMEGA] - below[Weight.OMEGA])
+    return complex(
+        below[Weight.RE] + part * (above[Weight.RE] - below[Weight.RE]),
+        below[Weight.IM] + part * (above[Weight.IM] - below[Weight.IM]),
+    )
 
 
 @njit
