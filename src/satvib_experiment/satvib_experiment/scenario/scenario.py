@@ -199,6 +199,7 @@ class Scenario(Schema):
         if settings.get('narrowband_serve') != 'payload' or 'narrowband_weights' in settings:
             return {}
         from satvib_plant_sim.responses.images import weight_table
+        from satvib_plant_sim.rig.rig import Rig
 
         rig = self.load_rig()
         if not isinstance(rig, Rig):
