@@ -5,15 +5,18 @@
 What is refused is refused when the file is loaded, which is before a folder is made or a sample is computed.
 """
 
+import shutil
 from pathlib import Path
 
 import pytest
 from rich.table import Table
+from satvib_bringup.cli import main
 from satvib_bringup.cli.console import make_console
 from satvib_common.errors import SatvibError
 from satvib_experiment.recording.run_folder import free_run_folder
 from satvib_experiment.scenario.folder import scenario_path
 from satvib_experiment.scenario.scenario import load_scenario
+from satvib_experiment.twin.closed_loop import simulate
 from satvib_studies.campaign.settings import Campaign, load_campaign
 from satvib_studies.campaign.trials import plan_trials
 
@@ -136,3 +139,27 @@ def test_names_are_printed_as_they_are(text, capsys):
 def test_control_characters_are_printed_as_escapes(capsys):
     make_console().print('a\x1b[31mb')
     assert capsys.readouterr().out == 'a\\x1b[31mb\n'
+
+
+@pytest.fixture(scope='module')
+def recording(tmp_path_factory):
+    """A run of the offline twin in a folder of its own."""
+    folder = tmp_path_factory.mktemp('runs') / 'quick-001'
+    folder.mkdir()
+    simulate(load_scenario('quick_3dof')).save(folder / 'recording.npz')
+    return folder
+
+
+@pytest.mark.parametrize('path', ['.', '../quick-001/', './recording.npz'])
+def test_the_folder_one_stands_in_has_a_name(recording, tmp_path, monkeypatch, capsys, path):
+    """Truth: the case's page: the report is beside the folder; of a file it is beside the file."""
+    folder = tmp_path / 'quick-001'
+    shutil.copytree(recording, folder)
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr('sys.argv', ['satvib', 'report', path])
+    with pytest.raises(SystemExit) as ended:
+        main.main()
+    assert not ended.value.code
+    assert 'report.html' in ''.join(capsys.readouterr().out.split())
+    wanted = folder / 'recording-report' if path.endswith('.npz') else tmp_path / 'quick-001-report'
+    assert (wanted / 'report.html').is_file()

@@ -2,15 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a run of some length needs, told before it starts."""
 
-import os
-
-from satvib_common.errors import SatvibError
+from satvib_common.needs import check_needs
 from satvib_plant_sim.rig.any_rig import AnyRig, strut_count
 from satvib_plant_sim.rig.rig import Rig
 
 # numbers per sample and strut of a recording, besides the truth on the fine grid: at least so many
 _NUMBERS = 40
 _BYTES = 8
+STEP_TIME = 2e-6  # s of a processor for a sample of a trial, at least
 
 
 def needed_bytes(samples: int, rig: AnyRig) -> int:
@@ -20,15 +19,9 @@ def needed_bytes(samples: int, rig: AnyRig) -> int:
 
 
 def check_memory(samples: int, rig: AnyRig) -> None:
-    """Refuse a run whose recording does not fit into this machine's memory.
+    """Refuse a run whose recording does not fit into this machine's memory, or that would take a month.
 
     Raises:
         SatvibError: it does not.
     """
-    needed = needed_bytes(samples, rig)
-    present = os.sysconf('SC_PHYS_PAGES') * os.sysconf('SC_PAGE_SIZE')
-    if needed > present:
-        raise SatvibError(
-            f'duration: {samples:.6g} samples need {needed / 1e9:.3g} GB of memory, this machine has '
-            f'{present / 1e9:.3g} GB'
-        )
+    check_needs(f'duration: {samples:.6g} samples', needed_bytes(samples, rig), samples * STEP_TIME)

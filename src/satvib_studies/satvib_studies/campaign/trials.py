@@ -14,8 +14,10 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
+from satvib_common.needs import check_needs
 from satvib_common.schema import LARGEST_INTEGER
 from satvib_common.settings_text import RIG_CHANGES, change_setting, setting_text
+from satvib_experiment.scenario.memory import STEP_TIME
 from satvib_experiment.scenario.scenario import Scenario, check_scenario, load_scenario
 
 from satvib_studies.campaign.drawing.sampling import draw
@@ -23,6 +25,7 @@ from satvib_studies.campaign.settings import Campaign
 
 _NAMES = tuple(field.name for field in dataclasses.fields(Scenario))
 _FIELD = {'rig': RIG_CHANGES}
+_ROW = 500  # bytes of a trial in the table, at least
 
 
 @dataclass(frozen=True)
@@ -124,6 +127,12 @@ def plan_trials(campaign: Campaign) -> TrialPlan:
         )
     except SatvibError as error:
         raise SatvibError(f'{where}: {error}') from None
+    samples = base.plan(base.load_rig().acquisition.sample_rate).end
+    check_needs(
+        f'{where}: trials: {campaign.trials} trials of {samples} samples',
+        campaign.trials * _ROW,
+        campaign.trials * samples * STEP_TIME,
+    )
     plan = plan_from(campaign, base)
     plan.check()
     return plan

@@ -8,7 +8,7 @@ stiffness +-5 % and force constant +-10 % of each strut, damping +-30 %.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,10 @@ from typing import Any
 import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.files.yaml_file import load_yaml
-from satvib_common.schema import Schema, param
+from satvib_common.needs import check_needs
+from satvib_common.schema import Schema, param, shown
 from satvib_common.settings_text import change_settings
+from satvib_experiment.scenario.memory import STEP_TIME
 from satvib_experiment.scenario.scenario import Scenario, check_scenario
 from satvib_plant_sim.plant.failures import Failure
 from satvib_plant_sim.rig.random_rig import random_parts
@@ -27,6 +29,7 @@ from satvib_studies.sweep.sweep import merged
 
 FILE = Path(__file__).parent / 'comparison.yaml'
 STREAM = 73
+_TRIAL = 30e3  # bytes of a trial in a batch, at least
 OPEN = 'open'  # what all schemes are measured against: 0 V
 
 
@@ -97,7 +100,7 @@ class Comparison(Schema):
         central = data.get('scheme') == 'centralized'
         listed = there.centralized_failures if central else ()
         failures = [
-            Failure.from_mapping({**f, 'time': self.event}, f'cases.{case}: failures[{i}]')
+            self._failure(f, f'comparison {self.name}: cases.{case}: failures[{i}]')
             for i, f in enumerate(listed or there.failures)
         ]
         data |= {'seed': seed, 'failures': [f.to_mapping() for f in failures]}
@@ -105,6 +108,12 @@ class Comparison(Schema):
         scenario = Scenario.from_mapping(data, where)
         check_scenario(scenario, where)
         return scenario
+
+    def _failure(self, settings: Any, where: str) -> Failure:
+        """Give a failure at the event."""
+        if not isinstance(settings, Mapping):
+            raise SatvibError(f'{where}: a mapping of keys is expected, not {shown(settings)}')
+        return Failure.from_mapping({**settings, 'time': self.event}, where)
 
 
 def drawn_rig(rig: Rig, seed: int) -> Rig:
@@ -139,7 +148,15 @@ def load_comparison(path: Path | None = None, overrides: Sequence[str] = ()) -> 
         raise SatvibError(f'{file}: a mapping of keys is expected')
     change_settings(data, overrides)
     loaded = Comparison.from_mapping(data, str(file))
+    samples = 0
     for scheme in loaded.schemes:
         for case in loaded.cases:
-            loaded.scenario(scheme, case, loaded.seed)
+            scenario = loaded.scenario(scheme, case, loaded.seed)
+            samples = scenario.plan(scenario.load_rig().acquisition.sample_rate).end
+    trials, runs = len(loaded.cases) * loaded.seeds, len(loaded.schemes) + 1
+    check_needs(
+        f'{file}: seeds: {runs} times {trials} trials of {samples} samples',
+        trials * (samples * runs * 16.0 + _TRIAL),
+        trials * samples * runs * STEP_TIME,
+    )
     return loaded

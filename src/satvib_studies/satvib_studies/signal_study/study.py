@@ -14,6 +14,7 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.levels import rms_with_mean
+from satvib_common.needs import check_needs
 from satvib_common.phases import Phase
 from satvib_common.schema import Schema, param
 from satvib_ident.excitation.factory import make_excitation
@@ -34,6 +35,7 @@ STUDIED: dict[str, tuple[str, dict[str, object]]] = {
     'PRBS': ('prbs', {'clock': 1}),
 }
 CASES = ('clean', 'noise', 'disturbance', 'both')
+_STEP_TIME = 20e-6  # s of a processor for a sample of a case, at least
 NAMES = ('a1', 'a2', 'b1', 'b2', 'b3')
 
 
@@ -55,6 +57,15 @@ class StudySettings(Schema):
     seed: int = param(1, 'seed of noise and phases', minimum=0)
     estimator: str = param('least_squares', 'as in the identifier', choices=ESTIMATORS)
     signals: tuple[str, ...] = param(tuple(STUDIED), 'which signals', choices=tuple(STUDIED))
+
+    def check(self) -> None:
+        """Refuse what does not fit into this machine."""
+        samples = self.duration * self.sample_rate
+        check_needs(
+            f'seeds, duration: {self.seeds} runs of {samples:.6g} samples',
+            8.0 * samples * self.seeds,
+            samples * len(self.signals) * len(CASES) * _STEP_TIME,
+        )
 
 
 @dataclass(frozen=True, eq=False)

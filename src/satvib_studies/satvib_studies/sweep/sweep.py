@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
+from satvib_common.needs import check_needs
 from satvib_common.phases import Phase
 from satvib_common.schema import Schema, param
 from satvib_experiment.recording.recording import Recording
@@ -36,6 +37,8 @@ from satvib_experiment.scenario.scenario import Scenario, check_scenario
 from satvib_experiment.scenario.settings_file import load_settings, names_in, settings_path
 
 FOLDER = Path(__file__).parents[1] / 'sweeps'
+_CELL = 5000.0  # bytes of a cell, at least
+_CELL_TIME = 5e-3  # s of a processor for a cell, at least
 KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')
 
 
@@ -115,6 +118,8 @@ class Sweep(Schema):
         Raises:
             SatvibError: a cell that is no scenario; the cell is named.
         """
+        count = math.prod(len(axis) for axis in self.axes.values())
+        check_needs(f'sweep {self.name}: axes: {count} cells', _CELL * count, _CELL_TIME * count)
         return [self._cell(labels) for labels in product(*self.axes.values())]
 
     def _cell(self, labels: tuple[str, ...]) -> Cell:

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
+from satvib_common.needs import check_needs
 from satvib_common.schema import Schema, param
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_common.struts.motions import mode_matrix, strut_matrix
@@ -72,6 +73,8 @@ class TuningCost:
     ) -> None:
         self.rig, self.settings = rig, settings or CostSettings()
         p = self.settings
+        samples = p.duration * rig.acquisition.sample_rate
+        check_needs(f'cost.duration: {samples:.6g} samples', 32.0 * samples, 1e-7 * samples)
         self.plants = perturbed(rig, p.plants, p.seed)
         spectrum = spectrum_of(disturbance, rig, p.seed, p.duration)
         self.frequency, self.power = spectrum.frequency, spectrum.power

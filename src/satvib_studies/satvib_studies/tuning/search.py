@@ -22,6 +22,7 @@ from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.files.yaml_file import load_yaml, parse_yaml
 from satvib_common.levels import decibel
+from satvib_common.needs import check_needs
 from satvib_common.schema import Schema, param
 from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.disturbance.factory import make_disturbance
@@ -125,6 +126,15 @@ class Search:
         """Set the cost up."""
         if not isinstance(self.rig, Rig):
             raise SatvibError(f'rig {self.rig.name}: identified models have no modes to control')
+        swarm, plants = self.settings.swarm, self.settings.cost.plants
+        check_needs(
+            f'swarm.budget, cost.plants: {swarm.budget} evaluations on {plants} plants',
+            seconds=1e-6 * swarm.budget * plants,
+        )
+        check_needs(
+            f'swarm.particles, cost.plants: {swarm.particles} particles on {plants} plants',
+            8.0 * len(LoopFigure) * swarm.particles * plants,
+        )
         built: Disturbance = make_disturbance(self.disturbance, '--disturbance')
         self.cost = TuningCost(self.rig, built, self.settings.cost)
         n = self.rig.struts.count

@@ -37,7 +37,8 @@ def report(
     from satvib_bringup.cli.console import make_console, show_result
 
     source = source.resolve()
-    folder = output or source.with_name(f'{source.stem}-report')
+    name = source.name if source.is_dir() else source.stem
+    folder = output or source.parent / f'{name}-report'
     refuse_existing(folder)
     written = write_report(load_recording(source, recover), folder)
     show_result(make_console(), written.result, written.page)
