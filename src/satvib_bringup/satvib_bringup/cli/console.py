@@ -133,8 +133,8 @@ def _style(kind: str) -> str | None:
     return 'bold' if kind.startswith('true') else None
 
 
-def show_result(console: Console, result: dict[str, Any], page: Path) -> None:
-    """Print the table of a run, what must be known about it, and where the report is.
+def show_result(console: Console, result: dict[str, Any]) -> None:
+    """Print the table of a run and what must be known about it.
 
     What makes the run worthless comes first.
     """
@@ -145,4 +145,8 @@ def show_result(console: Console, result: dict[str, Any], page: Path) -> None:
         console.print(f'to compare: {result["reference_source"]}', style='dim')
     for note in result['notes']:
         console.print(f'• {note}')
+
+
+def show_page(console: Console, page: Path) -> None:
+    """Print where the report is."""
     console.print(f'report: {page}', soft_wrap=True)

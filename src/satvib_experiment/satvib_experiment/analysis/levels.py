@@ -12,7 +12,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from satvib_common.arrays import Array
-from scipy.signal import welch
 
 
 def tone_amplitudes(signal: Array, dt: float, frequencies: Sequence[float]) -> Array:
@@ -80,8 +79,15 @@ def spectrum(signal: Array, dt: float, resolution: float = 1.0) -> tuple[Array, 
     Returns:
         Frequencies (lines,) in Hz, and the density (lines, ...) in the unit of the signal per root Hz.
     """
+    # who asks for a spectrum draws it; to import scipy.signal for it takes longer than all figures
+    from matplotlib import mlab
+
     length = min(len(signal), round(1.0 / (resolution * dt)))
-    f, power = welch(
-        np.nan_to_num(signal), 1.0 / dt, 'hann', nperseg=length, detrend='constant', axis=0
-    )
-    return f, np.sqrt(power)
+    flat = np.nan_to_num(signal).reshape(len(signal), -1)
+    window = np.hanning(length + 1)[:-1]
+    found = [
+        mlab.psd(column, length, 1.0 / dt, mlab.detrend_mean, window, length // 2)
+        for column in flat.T
+    ]
+    power: Array = np.stack([power for power, _ in found], axis=-1)
+    return np.asarray(found[0][1]), np.sqrt(power).reshape(-1, *signal.shape[1:])

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes the report of a run into a folder: figures/*.png, report.html, result.json."""
 
+import contextlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,9 @@ from satvib_experiment.analysis.analysis import analyse
 from satvib_experiment.analysis.evaluation import Evaluation
 from satvib_experiment.recording.recording import Recording
 from satvib_experiment.report.context import Context
+from satvib_experiment.report.drawing import Drawing
+from satvib_experiment.report.page import write_page
+from satvib_experiment.report.result import write_result
 
 
 @dataclass(frozen=True)
@@ -42,33 +47,39 @@ def refuse_existing(folder: Path) -> None:
             )
 
 
-def write_report(recording: Recording, folder: Path) -> Report:
+def write_report(
+    recording: Recording,
+    folder: Path,
+    drawing: Drawing | None = None,
+    analysed: Callable[[dict[str, Any]], None] | None = None,
+) -> Report:
     """Analyse a run and write its report.
 
     Args:
         recording: the run.
         folder: where to; made when it is not there.
+        drawing: who draws; None: processes that start now.
+        analysed: called with what result.json holds, before the figures are drawn.
 
     Raises:
         SatvibError: there is a report already, the folder cannot be written, or the run is too short.
     """
-    from satvib_experiment.report.figures.registry import draw_figures
-    from satvib_experiment.report.page import write_page
-    from satvib_experiment.report.result import write_result
-
     refuse_existing(folder)
-    evaluation, open_loop = analyse(recording)
-    context = Context(recording, open_loop, evaluation)
-    figures = folder / 'figures'
-    try:
-        figures.mkdir(parents=True)
-    except OSError as error:
-        raise SatvibError(f'{figures}: cannot be made: {error.strerror}') from None
-    try:
-        drawn = draw_figures(context, figures)
-    except OSError as error:
-        raise SatvibError(f'{figures}: cannot be written: {error.strerror}') from None
-    result = write_result(context, folder / 'result.json')
     page = folder / 'report.html'
-    write_page(context, result, drawn, page)
+    with contextlib.nullcontext(drawing) if drawing else Drawing() as hands:
+        evaluation, open_loop = analyse(recording)
+        context = Context(recording, open_loop, evaluation)
+        figures = folder / 'figures'
+        try:
+            figures.mkdir(parents=True)
+        except OSError as error:
+            raise SatvibError(f'{figures}: cannot be made: {error.strerror}') from None
+        result = write_result(context, folder / 'result.json')
+        if analysed is not None:
+            analysed(result)
+        try:
+            drawn = hands.draw(context, figures)
+        except OSError as error:
+            raise SatvibError(f'{figures}: cannot be written: {error.strerror}') from None
+        write_page(context, result, drawn, page)
     return Report(page, result, evaluation)

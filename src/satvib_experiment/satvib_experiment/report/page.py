@@ -10,12 +10,12 @@ from typing import Any
 import jinja2
 import yaml
 from satvib_common.errors import SatvibError
+from satvib_common.struts.names import strut_label
 
 from satvib_experiment.analysis.evaluation import KINDS
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.figures.registry import Drawn
 from satvib_experiment.report.models import TRUST
-from satvib_experiment.report.style import strut_label
 
 KIND_HEADINGS = {
     'measured_rms': 'RMS, measured',

@@ -8,12 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-
-mpl.use('Agg')
-
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from satvib_common.phases import Phase
@@ -60,8 +57,7 @@ _RC: dict[str, Any] = {
     'legend.edgecolor': 'none',
     'legend.fontsize': 8.5,
     'lines.linewidth': 1.3,
-    'figure.dpi': 100,
-    'savefig.dpi': 150,
+    'figure.dpi': 150,
     'figure.constrained_layout.use': True,
     'path.simplify_threshold': 0.5,
     'agg.path.chunksize': 20000,
@@ -75,21 +71,15 @@ def figure(path: Path, rows: int, columns: int = 1, **options: Any) -> Iterator[
     Args:
         path: the PNG file.
         rows, columns: of axes.
-        options: for `pyplot.subplots`; `size` is the figure's in inches.
+        options: for `Figure.subplots`; `size` is the figure's in inches.
     """
     size = options.pop('size', (9.0, 1.9 * rows + 0.6))
     with mpl.rc_context(_RC):  # type: ignore[arg-type]
-        drawn, axes = plt.subplots(rows, columns, figsize=size, squeeze=False, **options)
-        try:
-            yield drawn, axes
-            # lay out once; otherwise saving does it twice, and it is most of the time
-            engine = drawn.get_layout_engine()
-            if engine is not None:
-                engine.execute(drawn)
-                drawn.set_layout_engine('none')
-            drawn.savefig(path)
-        finally:
-            plt.close(drawn)
+        drawn = Figure(figsize=size)
+        canvas = FigureCanvasAgg(drawn)
+        yield drawn, drawn.subplots(rows, columns, squeeze=False, **options)
+        # `savefig` lays out and draws twice, once to see how large it becomes
+        canvas.print_png(path)  # type: ignore[no-untyped-call]
 
 
 def legend(drawn: Figure, axes: Iterable[Axes], columns: int = 6) -> None:
@@ -99,11 +89,6 @@ def legend(drawn: Figure, axes: Iterable[Axes], columns: int = 6) -> None:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
     drawn.legend(list(found.values()), list(found), loc='outside lower center', ncols=columns)
-
-
-def strut_label(name: str) -> str:
-    """'strut_1' for people."""
-    return name.replace('_', ' ').capitalize()
 
 
 def shade_phases(axes: Axes, recording: Recording, names: bool = False) -> None:

@@ -15,6 +15,8 @@ from satvib_experiment.analysis.analysis import analyse
 from satvib_experiment.analysis.evaluation import KINDS
 from satvib_experiment.recording.bag_reader import read_recording
 from satvib_experiment.report.build import write_report
+from satvib_experiment.report.context import Context
+from satvib_experiment.report.drawing import Drawing
 from satvib_experiment.report.figures.registry import FIGURES
 
 
@@ -79,7 +81,7 @@ def test_every_figure_is_in_the_page_and_beside_it(written):
     """Truth: the list of figures; a PNG begins with its signature."""
     links, text = parsed(written.page)
     assert len(links.loaded) == len(FIGURES)
-    for name, heading, _ in FIGURES:
+    for name, heading in FIGURES:
         file = written.page.parent / 'figures' / f'{name}.png'
         assert file.read_bytes().startswith(b'\x89PNG')
         assert heading in text
@@ -163,3 +165,29 @@ def test_clipped_samples_are_a_finding(quick_run, tmp_path):
     assert [
         s['clipped']['upper'] for s in write_report(run, tmp_path / 'old').result['struts']
     ] == [0] * 3
+
+
+def test_a_drawing_process_that_ends_costs_no_figure(quick_run, tmp_path):
+    """Truth: the figures of an undisturbed report, drawn by this process instead."""
+    evaluation, open_loop = analyse(quick_run)
+    context = Context(quick_run, open_loop, evaluation)
+    for name, count in (('here', 0), ('there', 1)):
+        (tmp_path / name).mkdir()
+        with Drawing(count) as drawing:
+            for process in drawing._processes:
+                process.kill()
+                process.wait()
+            drawn = drawing.draw(context, tmp_path / name)
+        assert [figure.name for figure in drawn] == [name for name, _ in FIGURES]
+        assert all(figure.path.stat().st_size > 10_000 for figure in drawn)
+
+
+def test_the_figures_are_drawn_after_the_result_is_known(quick_run, tmp_path):
+    """Truth: the folder of the figures at the moment when the caller is told."""
+    seen = []
+    write_report(
+        quick_run,
+        tmp_path / 'report',
+        analysed=lambda result: seen.append((result['format'], list(tmp_path.rglob('*.png')))),
+    )
+    assert seen == [('satvib result 1', [])]

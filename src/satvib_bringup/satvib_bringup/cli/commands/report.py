@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`satvib report`: the report of a bag or of a simulated run."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -33,12 +34,16 @@ def report(
     """
     from satvib_experiment.recording.load import load_recording
     from satvib_experiment.report.build import refuse_existing, write_report
+    from satvib_experiment.report.drawing import Drawing
 
-    from satvib_bringup.cli.console import make_console, show_result
+    from satvib_bringup.cli.console import make_console, show_page, show_result
 
     source = source.resolve()
     name = source.name if source.is_dir() else source.stem
     folder = output or source.parent / f'{name}-report'
     refuse_existing(folder)
-    written = write_report(load_recording(source, recover), folder)
-    show_result(make_console(), written.result, written.page)
+    console = make_console()
+    with Drawing() as drawing:
+        recording = load_recording(source, recover)
+        written = write_report(recording, folder, drawing, partial(show_result, console))
+    show_page(console, written.page)

@@ -3,6 +3,7 @@
 """`satvib run` and `satvib demo`: a scenario as a live ROS 2 graph, recorded and reported."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -50,9 +51,16 @@ def _run(name: str, settings: list[str] | None, folder: Path | None, realtime: b
     from satvib_experiment.recording.bag_reader import read_recording
     from satvib_experiment.recording.run_folder import free_run_folder, write_scenario
     from satvib_experiment.report.build import write_report
+    from satvib_experiment.report.drawing import Drawing
     from satvib_experiment.scenario.scenario import load_scenario
 
-    from satvib_bringup.cli.console import NO_RESULT, ProgressView, make_console, show_result
+    from satvib_bringup.cli.console import (
+        NO_RESULT,
+        ProgressView,
+        make_console,
+        show_page,
+        show_result,
+    )
 
     scenario = load_scenario(name, settings or [])
     target = free_run_folder(scenario.name, folder)
@@ -71,8 +79,11 @@ def _run(name: str, settings: list[str] | None, folder: Path | None, realtime: b
         error = SatvibError if outcome.exit_code == 2 else RunError
         raise error(f'{outcome.message}; logs and what was recorded are in {target}')
     console.print(outcome.message, style='dim')
-    report = write_report(read_recording(target), target)
-    show_result(console, report.result, report.page)
+    with Drawing() as drawing:
+        report = write_report(
+            read_recording(target), target, drawing, partial(show_result, console)
+        )
+    show_page(console, report.page)
     if report.result['shortfalls']:
         raise typer.Exit(NO_RESULT)
 

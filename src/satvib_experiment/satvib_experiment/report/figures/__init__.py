@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from satvib_common.door import door
 
 if TYPE_CHECKING:
-    from satvib_experiment.report.figures.registry import FIGURES, Drawn, draw_figures
+    from satvib_experiment.report.figures.registry import FIGURES, Drawn, draw_figure
 
 __all__ = [
     'FIGURES',
     'Drawn',
-    'draw_figures',
+    'draw_figure',
 ]
 __getattr__, __dir__ = door(__name__, __file__)

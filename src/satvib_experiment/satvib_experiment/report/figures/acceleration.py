@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.levels import largest_known
+from satvib_common.struts.names import strut_label
 
 from satvib_experiment.recording.signals import fine, without_bias
 from satvib_experiment.report.context import Context
@@ -20,7 +21,6 @@ from satvib_experiment.report.style import (
     g_axis,
     legend,
     shade_phases,
-    strut_label,
 )
 
 CAPTION = (

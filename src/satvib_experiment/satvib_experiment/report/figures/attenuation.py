@@ -5,9 +5,10 @@
 from pathlib import Path
 
 import numpy as np
+from satvib_common.struts.names import strut_label
 
 from satvib_experiment.report.context import Context
-from satvib_experiment.report.style import FAINT, INK, MEASURED, TRUE, figure, legend, strut_label
+from satvib_experiment.report.style import FAINT, INK, MEASURED, TRUE, figure, legend
 
 CAPTION = (
     'Attenuation (Eq. 42), negative is better: what the loop’s samples say, and what is true. Left '

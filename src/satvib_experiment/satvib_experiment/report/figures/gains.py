@@ -5,10 +5,11 @@
 from pathlib import Path
 
 import numpy as np
+from satvib_common.struts.names import strut_label
 
 from satvib_experiment.recording.recording import Recording
 from satvib_experiment.report.context import Context
-from satvib_experiment.report.style import STRUTS, figure, legend, shade_phases, strut_label
+from satvib_experiment.report.style import STRUTS, figure, legend, shade_phases
 
 CAPTION = (
     'What the laws adapted. The dotted lines are the interval of the gain that the identified model '

@@ -5,10 +5,11 @@
 from pathlib import Path
 
 import numpy as np
+from satvib_common.struts.names import strut_label
 
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.models import final_model, fit, identify_record
-from satvib_experiment.report.style import FAINT, MEASURED, MODEL, figure, legend, strut_label
+from satvib_experiment.report.style import FAINT, MEASURED, MODEL, figure, legend
 
 CAPTION = (
     'Plant output against model output while identifying, the paper’s Figs. 5 and 10: the measured '

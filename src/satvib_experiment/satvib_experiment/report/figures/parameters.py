@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from satvib_common.arrays import Array
+from satvib_common.struts.names import strut_label
 
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.models import trust_limits
-from satvib_experiment.report.style import INK, STRUTS, figure, legend, shade_phases, strut_label
+from satvib_experiment.report.style import INK, STRUTS, figure, legend, shade_phases
 from satvib_experiment.twin.noise_free import perfect_parameters
 
 CAPTION = (

@@ -1,32 +1,24 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""All figures of a report, in the order of the page."""
+"""All figures of a report, in the order of the page. To list them imports nothing of plotting."""
 
+import importlib
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 
 from satvib_experiment.report.context import Context
-from satvib_experiment.report.figures import (
-    acceleration,
-    attenuation,
-    gains,
-    model,
-    parameters,
-    response,
-    spectra,
-    voltage,
-)
 
-# name of the file, heading, module
+# module beside this one, whose name is also that of the file; heading
 FIGURES = (
-    ('attenuation', 'Attenuation at a glance', attenuation),
-    ('acceleration', 'Acceleration with control off and on', acceleration),
-    ('spectra', 'Spectra', spectra),
-    ('parameters', 'Identified parameters', parameters),
-    ('model', 'Plant output and model output', model),
-    ('response', 'Models against the rig', response),
-    ('gains', 'Gains', gains),
-    ('voltage', 'Voltages', voltage),
+    ('attenuation', 'Attenuation at a glance'),
+    ('acceleration', 'Acceleration with control off and on'),
+    ('spectra', 'Spectra'),
+    ('parameters', 'Identified parameters'),
+    ('model', 'Plant output and model output'),
+    ('response', 'Models against the rig'),
+    ('gains', 'Gains'),
+    ('voltage', 'Voltages'),
 )
 
 
@@ -40,11 +32,15 @@ class Drawn:
     path: Path
 
 
-def draw_figures(context: Context, folder: Path) -> list[Drawn]:
-    """Draw into `folder` every figure that the run has something to show for."""
-    drawn = []
-    for name, heading, module in FIGURES:
-        path = folder / f'{name}.png'
-        if module.draw(context, path):
-            drawn.append(Drawn(name, heading, module.CAPTION, path))
-    return drawn
+def figure_module(name: str) -> ModuleType:
+    """Import the module of a figure, with `CAPTION` and `draw`."""
+    return importlib.import_module(f'satvib_experiment.report.figures.{name}')
+
+
+def draw_figure(context: Context, folder: Path, name: str) -> Drawn | None:
+    """Draw a figure into `folder`; None when the run has nothing to show."""
+    module = figure_module(name)
+    path = folder / f'{name}.png'
+    if not module.draw(context, path):
+        return None
+    return Drawn(name, dict(FIGURES)[name], module.CAPTION, path)

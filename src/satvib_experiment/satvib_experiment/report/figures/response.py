@@ -5,10 +5,11 @@
 from pathlib import Path
 
 import numpy as np
+from satvib_common.struts.names import strut_label
 
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.models import final_model, response_errors, true_response
-from satvib_experiment.report.style import FAINT, INK, MODEL, figure, legend, strut_label
+from satvib_experiment.report.style import FAINT, INK, MODEL, figure, legend
 
 CAPTION = (
     'Frequency response from voltage to measured acceleration: the identified model and the exact '

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.struts.names import strut_label
 
 from satvib_experiment.analysis.levels import spectrum
 from satvib_experiment.recording.signals import fine, without_bias
 from satvib_experiment.report.context import Context
-from satvib_experiment.report.style import FAINT, MEASURED, OPEN, TRUE, figure, legend, strut_label
+from satvib_experiment.report.style import FAINT, MEASURED, OPEN, TRUE, figure, legend
 
 CAPTION = (
     'Amplitude spectral density of the upper acceleration without control (grey) and under control. '

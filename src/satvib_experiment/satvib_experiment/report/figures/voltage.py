@@ -7,9 +7,10 @@ from pathlib import Path
 import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.levels import largest_known
+from satvib_common.struts.names import strut_label
 
 from satvib_experiment.report.context import Context
-from satvib_experiment.report.style import INK, MEASURED, STRUTS, figure, shade_phases, strut_label
+from satvib_experiment.report.style import INK, MEASURED, STRUTS, figure, shade_phases
 
 CAPTION = (
     'Voltage at each coil as the guard let it through; marked where the guard changed what the law '
