@@ -14,11 +14,12 @@ A law of your own is a class with this constructor and `step`, chosen by `law: m
 Everything has the leading axes `shape`. Per-sample arithmetic is elementwise or a `satvib_common.kernels.compile`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
-from satvib_common.arrays import Array, Integers, Mask
+from satvib_common.arrays import Array, Complex, Integers, Mask
 from satvib_common.phases import Phase
 
 from satvib_control.laws.parameters import LawParameters
@@ -151,6 +152,10 @@ class BasicLaw(Generic[P]):
     needs_model = False
     closes_loop = True
     cancels = False
+    fixed_filter = False  # the voltage is -C y, and `response` gives C
+    hears_partners = (
+        False  # in a sum, the law keeps the margin of all loops together (see `laws.sum`)
+    )
 
     def __init__(self, parameters: P, dt: float, shape: tuple[int, ...] = ()) -> None:
         self.parameters, self.dt, self.shape = parameters, dt, shape
@@ -165,3 +170,10 @@ class BasicLaw(Generic[P]):
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Nothing to forget."""
+
+    def response(self, omega: Array) -> Complex:
+        """C at frequencies (*shape, q) in rad/sample, u = -C y, of a law that is a `fixed_filter`."""
+        raise NotImplementedError
+
+    def hear_partners(self, response: Callable[[Array], Complex]) -> None:
+        """Take C of the loops beside this one together, for a law that `hears_partners`; after each `set_model`."""

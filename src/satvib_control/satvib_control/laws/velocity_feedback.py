@@ -18,7 +18,7 @@ With an identified model, g is reduced to the bound that keeps the modulus margi
 from typing import TYPE_CHECKING
 
 import numpy as np
-from satvib_common.arrays import Array, Mask
+from satvib_common.arrays import Array, Complex, Mask
 from satvib_common.phases import Phase
 from satvib_common.signals.integrator import LeakyIntegrator
 
@@ -37,6 +37,8 @@ UNPROVEN = reason('no identified model: the fallback gain and the polarity as se
 
 class VelocityFeedback(BasicLaw[VelocityParameters]):
     """u = -g s H y; see the module's page."""
+
+    fixed_filter = True
 
     def __init__(
         self, parameters: VelocityParameters, dt: float, shape: tuple[int, ...] = ()
@@ -71,6 +73,12 @@ class VelocityFeedback(BasicLaw[VelocityParameters]):
     def step(self, x: LawInput, phase: Phase) -> Array:  # noqa: ARG002 - the same in every phase
         """Give the voltage (shape, V)."""
         return -self._gain * self._integrator.velocity(x.upper)
+
+    def response(self, omega: Array) -> Complex:
+        """C = g s H at frequencies (*shape, q) in rad/sample."""
+        turn = np.exp(-1j * omega)
+        h = np.polyval(self._integrator.b[::-1], turn) / np.polyval(self._integrator.a[::-1], turn)
+        return np.asarray(self._gain[..., np.newaxis] * h)
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Empty the integrator; the gain stays."""

@@ -5,11 +5,12 @@ import pytest
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_control.laws.base import BasicLaw
+from satvib_control.laws.narrowband.memory import Point
 from satvib_control.laws.reasons import reason, text_of
 from satvib_control.laws.registry import make_law
 from satvib_control.model_analysis.gain_bounds import gain_bounds
 from satvib_control.model_analysis.transfer import model_polynomials
-from scipy.signal import lfilter
+from scipy.signal import freqz, lfilter
 
 RATE = 200.0
 PLAN = PhasePlan((Phase.STANDBY, Phase.IDENTIFY, Phase.CONTROL), (0, 1, 2), 10**6)
@@ -153,3 +154,34 @@ def test_the_state_shows_all_parts(make_isolator, make_loop, settings):
     loop.core.law.parts[1].state.reason = np.array(TIRED)
     loop.core.law._show()
     assert text_of(loop.core.law.state.reason) == 'a reason of a test'
+
+
+def summed_law(make_isolator, settings, law):
+    """A sum that has the model of the isolator, and that model."""
+    model = make_isolator(RATE)
+    p = settings(sample_rate=RATE, law=law, velocity_gain=150.0, modulus_margin=0.5)
+    law = make_law(law, p, 1.0 / RATE)
+    law.set_model(model, np.asarray(True))
+    return law, model
+
+
+def test_narrowband_keeps_the_margin_of_all_loops_together(make_isolator, settings):
+    """Truth: |S_f| = 1 / |1 + G C| by scipy.signal.freqz, 1 where it is below 1; 1e-9. It has the whole margin."""
+    law, model = summed_law(make_isolator, settings, 'velocity_feedback+narrowband')
+    feedback, narrowband = law.parts
+    omega = narrowband._points[..., Point.OMEGA]
+    h = freqz(*leaky_integrator(feedback.parameters.velocity_corner, 1.0 / RATE), omega)[1]
+    b, a = model_polynomials(model)
+    loop = freqz(b, a, omega)[1] * float(feedback.state.ki) * h
+    want = np.maximum(1.0 / np.abs(1.0 + loop), 1.0)
+    assert want.max() > 1.05
+    np.testing.assert_allclose(narrowband._points[..., Point.PARTNERS], want, rtol=1e-9)
+    assert narrowband.parameters.modulus_margin == 0.5
+    assert feedback.parameters.modulus_margin == pytest.approx(0.5**0.5)
+
+
+def test_narrowband_beside_a_loop_that_adapts_has_its_root_of_the_margin(make_isolator, settings):
+    """Truth: the gains of model_reference change, so its |S| is not known: each loop has the square root, as before."""
+    law, _ = summed_law(make_isolator, settings, 'model_reference+narrowband')
+    assert law.parts[1].parameters.modulus_margin == pytest.approx(0.5**0.5)
+    assert np.all(law.parts[1]._points[..., Point.PARTNERS] == 1.0)

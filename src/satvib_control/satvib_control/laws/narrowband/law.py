@@ -42,10 +42,11 @@ docs/narrowband.md.
 """
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from satvib_common.arrays import Array, Mask
+from satvib_common.arrays import Array, Complex, Mask
 from satvib_common.phases import Phase
 
 from satvib_control.core.trusted_model import TrustedModel, select
@@ -87,6 +88,7 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
 
     needs_model = True
     cancels = True
+    hears_partners = True
 
     def __init__(
         self, parameters: NarrowbandParameters, dt: float, shape: tuple[int, ...] = ()
@@ -130,6 +132,14 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
         memory.correction[...] = select(new, UNCORRECTED, memory.correction)
         oldest = float(self._next)
         narrowband_replay(*self._design(), *memory, self._past, oldest, follow, self._shown)
+
+    def hear_partners(self, response: Callable[[Array], Complex]) -> None:
+        """Take C of the loops beside this one (`laws.sum`): |S| counts times theirs, where that is above 1."""
+        points = self._points
+        model = points[..., Point.RE] + 1j * points[..., Point.IM]
+        with np.errstate(all='ignore'):
+            partners = 1.0 / np.abs(1.0 + model * response(points[..., Point.OMEGA]))
+        points[..., Point.PARTNERS] = np.fmax(partners, 1.0)
 
     def _design(self) -> Design:
         return Design(self._model.b, self._model.a, self._settings, self._points, self._weights)

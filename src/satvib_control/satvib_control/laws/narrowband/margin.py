@@ -14,6 +14,9 @@ S is 0 at every w_i, and 1 / max |S| is the modulus margin of the loop. The maxi
 `margin_grid`: a uniform grid, and the angles of the model's poles and zeros, where its response turns quickly.
 Where it exceeds the limit all paces are stretched. They shrink again once there is room. While a tone is being
 caught (its memory still below six wanted paces) twice the limit is allowed.
+
+In a sum with other loops (`laws.sum`) the sensitivities multiply: |S| counts times that of the partners. Where they
+are below 1 it counts as it is, because the model is not better there.
 """
 
 import math
@@ -50,7 +53,8 @@ def largest_sensitivity(tones, inverse, points, correction):
             continue  # S is 0
         q_top, q_bottom = _youla_parameter(tones, inverse, omega)
         response = complex(points[q, Point.RE], points[q, Point.IM]) * factor(correction, omega)
-        worst = max(worst, abs(1.0 - response * q_top / q_bottom))
+        partners = points[q, Point.PARTNERS]
+        worst = max(worst, partners * abs(1.0 - response * q_top / q_bottom))
     return worst
 
 
@@ -123,7 +127,7 @@ def margin_grid(b: Array, a: Array) -> Array:
         points[UNIFORM : UNIFORM + len(turns)] = np.clip(turns, 1e-4, math.pi)
         for q, omega in enumerate(points):
             response = respond(b[i], a[i], omega) if np.all(np.isfinite(a[i])) else 0.0j
-            out[(*i, q)] = omega, response.real, response.imag
+            out[(*i, q)] = omega, response.real, response.imag, 1.0
     return out
 
 

@@ -146,6 +146,7 @@ class Point(IntEnum):
     OMEGA = 0  # rad/sample
     RE = 1  # m/s^2/V; response of the model
     IM = 2
+    PARTNERS = 3  # |S| of the loops beside this one, at least 1
 
 
 class Weight(IntEnum):
