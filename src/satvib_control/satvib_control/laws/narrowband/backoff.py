@@ -10,6 +10,7 @@ vibration is compared with its own power at 0 V, the base. The base is learnt on
 |---|---|---|---|---|
 | QUIET | the law gives a voltage | ACTING | 0 V | after four paces the base |
 | ACTING | suspicion | HELD | the law's | powers; `model_correction` the error of the model |
+| HELD | of a proven law, four paces at 0 V are louder than it was | ACTING | 0 V | the power is the new base |
 | HELD | the hold is over and the power fell by half | ACTING | 0 V | the law is the cause: it comes back slower |
 | HELD | the hold is over, the power did not fall | EXTENDED | 0 V | nothing: the cause may be another strut |
 | EXTENDED | two first holds are over | as HELD, or ACTING | 0 V | the least power is the new base |
@@ -28,6 +29,10 @@ strut, which is about to be held as well. For the same reason the new base is th
 Means are over a pace, in a hold over four paces. Success (y^2 below a tenth of the base) shortens the next hold by an
 e-fold in 100 paces. A law that acts before it has listened takes the power that it finds for its base until the first
 hold, which is then not extended.
+
+A law is proven once it has brought y^2 below a tenth of the base, until it is found to be the cause. When the vibration
+of a proven law grows, and grows further at 0 V, its voltage was still of use: the disturbance has grown. The law goes
+on after those four paces, or two where it grows by half, with the tones that it had.
 
 Where the attempt was loud or lost and has shown the error of the model (`model_correction`), the next hold is as long
 as the first. The law then comes back four times as slow as at first: struts that correct their models at the same time
@@ -55,6 +60,8 @@ USELESS_AFTER = 20.0  # paces
 SUCCESS = 0.1  # of the base
 CAUSED = 0.5  # the power in the hold over that before it, below which the law was the cause
 LONGER = 4.0  # factor on the next hold after harm
+BRIEFLY = 2.0  # paces at 0 V of a proven law, after which a vibration is judged that grows further
+MUCH_LOUDER = 1.5  # times the power before the hold: the same
 LONGEST_HOLD = 600.0  # first holds
 SLOWEST = 8.0  # largest factor on the paces after harm
 SLOW_AFTER_CORRECTION = 4.0  # factor on the paces with a corrected model
@@ -84,7 +91,7 @@ def watch(backoff, tracking, settings, y, effect, act, turned):
     _measure(backoff, settings[Setting.PACE], y, effect)
     _learn_from_level(backoff, settings)
     if backoff[Backoff.HOLD] > 0.0:
-        return _hold(backoff, tracking, settings[Setting.FIRST_HOLD])
+        return _hold(backoff, tracking, settings)
     if not act or backoff[Backoff.VOLTS] == 0.0:
         return _quiet(backoff)
     return _acting(backoff, settings, turned)
@@ -122,6 +129,7 @@ def _acting(backoff, settings, turned):
     backoff[Backoff.BEFORE] = backoff[Backoff.LEVEL] if loud else math.inf
     backoff[Backoff.INSTRUCTIVE] = 1.0 if loud or turned else 0.0
     backoff[Backoff.LEAST] = math.inf
+    backoff[Backoff.BRIEF] = backoff[Backoff.PROVEN] if loud and not turned else 0.0
     backoff[Backoff.LOUD], backoff[Backoff.USELESS] = 0.0, 0.0
     backoff[Backoff.EXTENDED] = 0.0 if backoff[Backoff.BASE_KNOWN] > 0.0 else 1.0
     backoff[Backoff.HOLD] = max(backoff[Backoff.NEXT_HOLD], settings[Setting.FIRST_HOLD])
@@ -129,9 +137,18 @@ def _acting(backoff, settings, turned):
 
 
 @njit
-def _hold(backoff, tracking, first_hold):
+def _hold(backoff, tracking, settings):
     """HELD and EXTENDED: wait, then judge by the power at 0 V."""
+    first_hold = settings[Setting.FIRST_HOLD]
     backoff[Backoff.HOLD] -= 1.0
+    louder = backoff[Backoff.LEVEL] > backoff[Backoff.BEFORE]
+    louder = louder and rung_down(backoff, settings[Setting.PACE])
+    much = backoff[Backoff.LEVEL] > MUCH_LOUDER * backoff[Backoff.BEFORE]
+    much = much and backoff[Backoff.SILENT] > BRIEFLY * settings[Setting.PACE]
+    if backoff[Backoff.BRIEF] > 0.0 and (louder or much):
+        backoff[Backoff.HOLD], backoff[Backoff.BRIEF] = 0.0, 0.0
+        backoff[Backoff.BASE], backoff[Backoff.BASE_KNOWN] = backoff[Backoff.LEVEL], 1.0
+        return Verdict.FREE
     if backoff[Backoff.HOLD] > 0.0:
         return Verdict.HELD
     backoff[Backoff.BASE_KNOWN] = 1.0
@@ -154,6 +171,7 @@ def _slow_down(backoff, tracking, first_hold):
     backoff[Backoff.SLOW] = min(2.0 * backoff[Backoff.SLOW], SLOWEST)
     tracking[Tracking.STRETCH] = max(tracking[Tracking.STRETCH], backoff[Backoff.SLOW])
     backoff[Backoff.BASE] = min(backoff[Backoff.LEAST], backoff[Backoff.BASE])
+    backoff[Backoff.PROVEN] = 0.0
 
 
 @njit
@@ -190,6 +208,7 @@ def _learn_from_level(backoff, settings):
     elif acting and level < SUCCESS * backoff[Backoff.BASE]:
         shorter = backoff[Backoff.NEXT_HOLD] * (1.0 - 0.01 / pace)
         backoff[Backoff.NEXT_HOLD] = max(shorter, settings[Setting.FIRST_HOLD])
+        backoff[Backoff.PROVEN] = 1.0
 
 
 @njit

@@ -208,6 +208,7 @@ def _settings(p: NarrowbandParameters, dt: float) -> Array:
     # two points of the grid beyond the band, so that a tone at its edge is a local maximum
     settings[Setting.LOW] = max(low - 2.0 * math.pi / window, edge)
     settings[Setting.HIGH] = min(high + 2.0 * math.pi / window, math.pi - edge)
+    settings[Setting.LEAST], settings[Setting.MOST] = low, high
     settings[Setting.SMALLEST] = p.narrowband_smallest
     settings[Setting.VOLTAGE] = p.voltage_limit
     settings[Setting.SENSITIVITY] = 1.0 / p.modulus_margin

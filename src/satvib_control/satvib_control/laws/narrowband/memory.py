@@ -24,6 +24,8 @@ class Setting(IntEnum):
     SENSITIVITY = 6  # largest max |S|
     FIRST_HOLD = 7  # samples
     WINDOW = 8  # samples; length of the search's window
+    LEAST = 9  # rad/sample; lowest frequency that is cancelled
+    MOST = 10  # rad/sample; highest one
 
 
 class Tone(IntEnum):
@@ -39,6 +41,12 @@ class Tone(IntEnum):
     AGE = 7  # samples since the tone was found
     PACE = 8  # samples; n, in which amplitude and phase follow; 0 before the first sample
     FADE = 9  # share of the tone's voltage that is let through
+    LEFT_RE = 10  # m/s^2; what is left of the tone in y, in the frame of x; `proof` writes this and the rest
+    LEFT_IM = 11
+    START = 12  # m/s^2; |x| when its voltage began
+    TRIED = 13  # paces for which its voltage has not calmed it
+    PROVEN = 14  # 1: its voltage has calmed it
+    BARRED = 15  # samples for which it gets no voltage
 
 
 class Tracking(IntEnum):
@@ -57,6 +65,9 @@ class Tracking(IntEnum):
     DISTURBANCE_POWER = 8  # (m/s^2)^2; of d, likewise
     USUAL_ERROR = 9  # (m/s^2)^2; of e, over 16 windows
     BAD_SAMPLES = 10  # samples for which the tones have explained too little
+    BARRED_OMEGA = 11  # rad/sample; of the tone that was barred last
+    BARRED_UNTIL = 12  # SEEN up to which it is
+    NEXT_BAR = 13  # samples; length of the next bar
 
 
 class Backoff(IntEnum):
@@ -86,6 +97,8 @@ class Backoff(IntEnum):
     NEXT_HOLD = 17  # samples; length of the next hold
     SLOW = 18  # factor on the paces after harm, 1 to 8
     INSTRUCTIVE = 19  # 1: the attempt was such that it shows the error of the model
+    PROVEN = 20  # 1: the voltage has calmed the strut since it last was the cause
+    BRIEF = 21  # 1: this hold ends as soon as the power at 0 V is the larger one
 
 
 class Correction(IntEnum):

@@ -13,6 +13,9 @@ takes nine points, does not. The largest P is a new tone when it is a local maxi
 the level of the whole band. The vertex of the parabola through log P gives its frequency, correlation over the newer
 half of the window its amplitude and phase. The tone is then taken out of the window, and the next one is searched.
 
+Beside a tracked tone a peak whose power falls by half from the older to the newer half of the window is no tone: a mode
+of the plant rings, where the model may be wrong. It is passed over.
+
 A weaker tone is found by its constancy. P of Gaussian noise, however coloured, has mean P^2 = 2 (mean P)^2, that of a
 tone (mean P)^2. Over eight windows mean P^2 < 1.3 (mean P)^2 with mean P above six times the level of the band is a
 tone.
@@ -30,6 +33,7 @@ import numpy as np
 from satvib_common.kernels.deferred import njit
 
 from satvib_control.laws.narrowband.memory import Floor, Setting, Tone, Tracking
+from satvib_control.laws.narrowband.proof import still_barred
 from satvib_control.laws.narrowband.tracker import begin
 
 CLEAR = 25.0  # times floor and level: a tone
@@ -43,6 +47,8 @@ STEADY = 1.3  # largest mean P^2 / (mean P)^2 of a tone; noise has 2
 STEADY_WINDOWS = 8.0  # memory of these means
 SIDE_LOBE = 16.0  # a peak this much below a new tone may be its side lobe
 WEIGHT_AFTER_NEWS = 0.1  # of a spectrum in the floor, while tones that settle hide the noise
+DECAYED = 0.5  # power of the newer half of the window over that of the older one, below which a peak rings
+RINGS = 2  # peaks that ring are passed over at each look
 SETTLED, UNSETTLED = 0.75, 1.25  # resolutions around a tone in which nothing is searched
 
 
@@ -62,19 +68,25 @@ def search(tones, settings, tracking, ring, floor, step):
     power = np.empty(count)
     quiet = tracking[Tracking.SEEN] - tracking[Tracking.NEWS] >= window
     first = quiet and not np.any(tones[:, Tone.ON] > 0.0)
+    ringing = np.zeros(count, dtype=np.bool_)
     if quiet:
         tracking[Tracking.TOP] = 0.0
     band = 0.0
-    for _ in range(tones.shape[0]):
+    for _ in range(tones.shape[0] + RINGS):
         spectrum(ring, pointer, low, step, power)
         band = np.sort(power)[count // 4] / QUARTILE
-        best, top = _highest_peak(tones, settings, tracking, power, step, window)
+        best, top = _highest_peak(tones, settings, tracking, power, ringing, step, window)
         if best < 0 or not _stands_out(floor, best, top, band, tracking[Tracking.SPECTRA]):
             break
+        omega = low + (best + _vertex(power, best, top)) * step
+        if np.any(tones[:, Tone.ON] > 0.0) and rings(ring, pointer, omega):
+            ringing[max(best - 2, 0) : best + 3] = True
+            continue
         i = _free_place(tones, top, window)
         if i < 0:
             break
-        _take(tones[i], ring, pointer, low + (best + _vertex(power, best, top)) * step)
+        _take(tones[i], ring, pointer, omega)
+        still_barred(tones[i], tracking, window)
         tracking[Tracking.NEWS] = tracking[Tracking.SEEN]
         if first:
             tracking[Tracking.BAD_SAMPLES] = 0.0
@@ -104,15 +116,18 @@ def spectrum(ring, pointer, low, step, out):
 
 
 @njit
-def _highest_peak(tones, settings, tracking, power, step, window):
+def _highest_peak(tones, settings, tracking, power, ringing, step, window):
     """Give place and P of the highest local maximum that may be a new tone; place -1: none."""
     best = -1
     least = max(settings[Setting.SMALLEST] ** 2 * window / 6.0, 1e-300)
     top = max(least, tracking[Tracking.TOP] / SIDE_LOBE)
     for q in range(1, power.shape[0] - 1):
-        if power[q] < max(power[q - 1], power[q + 1]) or not power[q] > top:
+        if power[q] < max(power[q - 1], power[q + 1]) or not power[q] > top or ringing[q]:
             continue
-        if not _near(tones, settings[Setting.LOW] + q * step, window, UNSETTLED, SETTLED):
+        omega = settings[Setting.LOW] + q * step
+        if not settings[Setting.LEAST] - 0.5 * step < omega < settings[Setting.MOST] + 0.5 * step:
+            continue
+        if not _near(tones, omega, window, UNSETTLED, SETTLED):
             top = power[q]
             best = q
     return best, top
@@ -178,18 +193,32 @@ def _vertex(power, best, top):
 
 
 @njit
-def _take(t, ring, pointer, omega):
-    """Begin tone t at a frequency and take it out of the window; the newest sample is pointer - 1."""
+def rings(ring, pointer, omega):
+    """Whether a component of the window decays, as a mode of the plant does that was struck, and a tone does not."""
+    half = ring.shape[0] // 2
+    re, im = _phasor(ring, pointer, omega, 0, half)
+    old_re, old_im = _phasor(ring, pointer, omega, half, 2 * half)
+    return re * re + im * im < DECAYED * (old_re * old_re + old_im * old_im)
+
+
+@njit
+def _phasor(ring, pointer, omega, first, last):
+    """The component over the samples that are `first` to `last` - 1 samples old, turned to the newest one."""
     window = ring.shape[0]
-    half = window // 2
     re = 0.0
     im = 0.0
-    for i in range(half):
+    for i in range(first, last):
         value = ring[(pointer - 1 - i) % window]
         re += value * math.cos(omega * i)
         im += value * math.sin(omega * i)
-    re *= 2.0 / half
-    im *= 2.0 / half
+    return re * 2.0 / (last - first), im * 2.0 / (last - first)
+
+
+@njit
+def _take(t, ring, pointer, omega):
+    """Begin tone t at a frequency and take it out of the window; the newest sample is pointer - 1."""
+    window = ring.shape[0]
+    re, im = _phasor(ring, pointer, omega, 0, window // 2)
     begin(t, omega, re, im)
     for i in range(window):
         ring[(pointer - 1 - i) % window] -= re * math.cos(omega * i) + im * math.sin(omega * i)

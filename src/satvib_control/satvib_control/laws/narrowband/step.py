@@ -32,6 +32,7 @@ from satvib_control.laws.narrowband.model_correction import (
     no_attempt,
     turned,
 )
+from satvib_control.laws.narrowband.proof import prove
 from satvib_control.laws.narrowband.search import LOOKS_PER_WINDOW, search
 from satvib_control.laws.narrowband.tracker import correct, lost, predict, prune
 from satvib_control.laws.narrowband.voltage import ask, fade, limit_volts, note
@@ -48,6 +49,8 @@ def one_sample(design, memory, sample, shown):
     held = _back_off(settings, memory, sample, d, omega, out_of_track)
     act = sample.act and not held
     _learn_from_attempt(settings, memory, sample, act, omega, d)
+    if sample.valid and act:
+        prove(memory, settings, demand.share, sample.y)
     u = fade(settings, memory, demand, act)
     if looked:
         stretch(design, memory, demand.inverse)
@@ -110,7 +113,7 @@ def _back_off(settings, memory, sample, d, omega, out_of_track):
     wrong = out_of_track and turned(memory.correction)
     y = sample.y
     verdict = watch(backoff, memory.tracking, settings, y, y - d, sample.act, wrong)
-    if verdict == Verdict.TAKEN_OFF:
+    if verdict == Verdict.TAKEN_OFF and backoff[Backoff.BRIEF] == 0.0:
         memory.tones[:, Tone.ON] = 0.0
     if verdict == Verdict.CAUSED and correct_model(memory.correction, omega):
         restart(backoff, settings)

@@ -192,7 +192,7 @@ def prune(tones, settings, noise, step, window):
         local = noise[place(t[Tone.OMEGA], settings[Setting.LOW], step, noise.shape[0])]
         by_noise = 8.0 * local / t[Tone.PACE] if t[Tone.PACE] > 0.0 else 0.0
         least = max(by_noise, settings[Setting.SMALLEST] ** 2)
-        low, high = settings[Setting.LOW], settings[Setting.HIGH]
+        low, high = settings[Setting.LEAST] - step, settings[Setting.MOST] + step
         outside = t[Tone.OMEGA] <= low or t[Tone.OMEGA] >= high
         if outside or (t[Tone.AGE] > window and power < least):
             t[Tone.ON] = 0.0

@@ -50,7 +50,7 @@ def ask(design, memory):
     strongest, omega, tracking = 0.0, 0.0, False
     for i in range(count):
         t = tones[i]
-        if t[Tone.ON] == 0.0:
+        if t[Tone.ON] == 0.0 or t[Tone.BARRED] > 0.0:
             continue
         demand.inverse[i] = _invert(design, memory.correction, t)
         if demand.inverse[i] == 0.0:
@@ -128,6 +128,7 @@ def fade(settings, memory, demand, act):
     u = 0.0
     for i in range(memory.tones.shape[0]):
         t = memory.tones[i]
+        t[Tone.BARRED] = max(t[Tone.BARRED] - 1.0, 0.0)
         if t[Tone.ON] == 0.0 or demand.volts[i] == 0.0:
             continue
         demand.inverse[i] *= demand.share[i]
