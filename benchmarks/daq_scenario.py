@@ -18,12 +18,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from satvib_bringup.live.graph import Graph, Stage, graph_of
+from satvib_bringup.live.graph import Graph, graph_of
+from satvib_bringup.live.process import Stage
 from satvib_bringup.live.schedule_message import graph_schedule
 from satvib_common.levels import decibel
 from satvib_common.phases import Phase
 from satvib_common.ros.qos import offered, wanted
 from satvib_experiment.analysis.levels import tone_level
+from satvib_experiment.recording.unpack import truth_samples
 from satvib_experiment.scenario.scenario import Scenario, load_scenario
 
 from satvib_msgs.msg import ControllerState, Schedule, StrutAcceleration, StrutTruth
@@ -146,7 +148,8 @@ def through_plant(graph: Graph, stand: Stand) -> dict[str, Any]:
     columns = []
     for strut in graph.struts:
         messages = kept['truth'][strut]
-        columns.append(np.array([messages[k].upper for k in sorted(messages)]))
+        blocks = (messages[k] for k in sorted(messages))
+        columns.append(np.array([s.upper for block in blocks for s in truth_samples(block)]))
     kept['upper'] = np.stack(columns, axis=1)
     return kept | {'code': code, 'said': stand.said('plant').splitlines()[-1]}
 

@@ -83,7 +83,8 @@ def test_nothing_is_lost(live):
     report = json.loads((outcome.folder / 'recording.json').read_text())
     end = scenario.plan(100.0).end
     for strut in outcome.struts:
-        for topic in ('acceleration', 'voltage', 'controller_state', 'truth'):
+        assert report[f'/{strut}/truth']['count'] == end // 5
+        for topic in ('acceleration', 'voltage', 'controller_state'):
             found = report[f'/{strut}/{topic}']
             assert (found['count'], found['first'], found['last'], found['gaps']) == (
                 end,

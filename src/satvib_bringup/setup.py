@@ -27,6 +27,7 @@ setup(
     entry_points={
         'console_scripts': [
             'satvib = satvib_bringup.cli.main:main',
+            'strut = satvib_bringup.nodes.strut:main',
             'recorder = satvib_bringup.nodes.recorder_node:main',
             'experiment = satvib_bringup.nodes.experiment_node:main',
             'schedule = satvib_bringup.nodes.schedule_node:main',

@@ -21,7 +21,8 @@ from launch.event_handlers import OnProcessExit
 from launch.events import Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
-from satvib_bringup.live.graph import Stage, graph_of
+from satvib_bringup.live.graph import graph_of
+from satvib_bringup.live.process import Stage
 from satvib_bringup.live.workspace import graph_environment
 from satvib_experiment.scenario.scenario import load_scenario
 
@@ -29,6 +30,7 @@ ARGUMENTS = {
     'scenario': ('paper_3dof', 'name of a scenario, or path of its YAML file'),
     'overrides': ('', "changes, separated by spaces: 'seed=7 controller.law=velocity_feedback'"),
     'realtime': ('false', 'true: at the pace of the clock instead of in lockstep'),
+    'composition': ('', 'separate, strut or single; empty: as the scenario says'),
     'bag': ('', 'folder of the bag to be recorded; empty: none'),
 }
 

@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """How a process of the loop runs: no garbage collection in the loop, its own processor, its own priority."""
 
+import contextlib
 import gc
 import os
 from collections.abc import Callable
+from pathlib import Path
 
 
 def settle_memory() -> None:
@@ -20,12 +22,29 @@ def tidy_memory() -> None:
         gc.collect()
 
 
+def set_niceness(niceness: int) -> None:
+    """Let others go first: 0 to 19, of this process and of the threads that it will start. It needs no right."""
+    if niceness <= 0:
+        return
+    os.setpriority(os.PRIO_PROCESS, 0, niceness)
+    # where the kernel groups processes by session, niceness counts within the group only, and the group has its own
+    if os.getsid(0) == os.getpid():
+        with contextlib.suppress(OSError):
+            Path('/proc/self/autogroup').write_text(f'{niceness}\n', encoding='ascii')
+
+
+def _threads() -> list[int]:
+    """All threads of this process: those of the middleware carry the messages."""
+    return [int(path.name) for path in Path('/proc/self/task').iterdir()]
+
+
 def set_processor(cpu: int, warn: Callable[[str], object]) -> None:
     """Stay on one processor; -1: any. Warns when that is not possible."""
     if cpu < 0:
         return
     try:
-        os.sched_setaffinity(0, {cpu})
+        for thread in _threads():
+            os.sched_setaffinity(thread, {cpu})
     except OSError as error:
         warn(f'cpu {cpu}: not possible here ({error.strerror}); running on any')
 
@@ -35,7 +54,8 @@ def set_priority(priority: int, warn: Callable[[str], object]) -> None:
     if priority <= 0:
         return
     try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+        for thread in _threads():
+            os.sched_setscheduler(thread, os.SCHED_FIFO, os.sched_param(priority))
     except OSError as error:
         warn(
             f'priority {priority}: not permitted ({error.strerror}); running with the ordinary '

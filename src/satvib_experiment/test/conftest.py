@@ -111,6 +111,8 @@ def _message(store, cls, recording, group, k, strut):
 
 def _filler(cls, name):
     hint = cls.__dataclass_fields__[name].type
+    if 'ndarray' in hint:
+        return np.zeros(0)
     if 'str' in hint:
         return ''
     return 0.0 if 'float' in hint else False if 'bool' in hint else 0

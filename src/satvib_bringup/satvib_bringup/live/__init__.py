@@ -8,8 +8,9 @@ from satvib_common.door import door
 
 if TYPE_CHECKING:
     from satvib_bringup.live.discovery import Discovery
-    from satvib_bringup.live.graph import Graph, Process, Stage, graph_of
+    from satvib_bringup.live.graph import Graph, graph_of
     from satvib_bringup.live.observer import Observer
+    from satvib_bringup.live.process import NodeSpec, Process, Stage
     from satvib_bringup.live.progress import Outcome, Progress
     from satvib_bringup.live.run import run_experiment
     from satvib_bringup.live.supervisor import Supervisor
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = [
     'Discovery',
     'Graph',
+    'NodeSpec',
     'Observer',
     'Outcome',
     'Process',

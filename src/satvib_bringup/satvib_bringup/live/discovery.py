@@ -3,8 +3,8 @@
 """Which nodes of a graph are there, and whether they have found each other.
 
 A reader and a writer that are both in the graph have not yet found each other: on a busy machine that takes a second
-more. In lockstep this costs no sample. In real time the first samples would be lost, so there every node must first
-report on /diagnostics that it has found the others.
+more. In real time the first samples would be lost, and what is not sent while nobody reads it would be lost in lockstep
+too. So every node must first report on /diagnostics that it has found the others; it does so as soon as it has.
 """
 
 from collections import Counter
@@ -60,13 +60,13 @@ class Discovery:
 
     def foreign_nodes(self) -> list[str]:
         """Satvib nodes that do not belong to this graph, or are there twice."""
-        own = Counter(process.full_name for process in self.graph.processes)
+        own = Counter(node.full_name for node in self.graph.nodes)
         return sorted((self.nodes() - own).elements())
 
     def missing(self) -> list[str]:
-        """What is missing: nodes; then topics without writer or readers; then, in real time, connections."""
+        """What is missing: nodes; then topics without writer or readers; then connections."""
         nodes = self.nodes()
-        if absent := [p.full_name for p in self.graph.processes if not nodes[p.full_name]]:
+        if absent := [n.full_name for n in self.graph.nodes if not nodes[n.full_name]]:
             return absent
         node = self._node
         incomplete = [
@@ -74,7 +74,7 @@ class Discovery:
             for topic, readers in self.graph.readers().items()
             if node.count_publishers(topic) < 1 or node.count_subscribers(topic) < readers
         ]
-        return incomplete if incomplete or not self.graph.realtime else self._unconnected()
+        return incomplete or self._unconnected()
 
     def _unconnected(self) -> list[str]:
         """Nodes that have not yet reported all their connections, with the first one that is missing."""
@@ -82,14 +82,14 @@ class Discovery:
         for topic, readers in self.graph.readers().items():
             needed[READERS_OF + topic], needed[WRITERS_OF + topic] = readers, 1
         found = []
-        for process in self.graph.processes:
-            reported = self._reported.get(process.full_name)
+        for spec in self.graph.nodes:
+            reported = self._reported.get(spec.full_name)
             lacking = (
                 [key for key, count in reported.items() if count < needed.get(key, 0)]
                 if reported
                 else ['diagnostics']
             )
             if lacking:
-                found.append(f'{process.full_name} without {lacking[0]}')
+                found.append(f'{spec.full_name} without {lacking[0]}')
         readers = self._schedule_out.get_subscription_count()
         return found or ([] if readers >= self.graph.readers()['/schedule'] else ['/schedule'])

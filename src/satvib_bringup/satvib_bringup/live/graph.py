@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which processes make up the live graph of a scenario, and with which parameters.
+"""Which nodes make up the live graph of a scenario, with which parameters, and in which processes they run.
 
 One description for the runner and for the launch file:
 
@@ -9,7 +9,8 @@ One description for the runner and for the launch file:
     strut_i/strut_identifier   reads both
     recorder                   records all topics
 
-In the centralized scheme one `centralized_controller` stands in the place of all strut controllers.
+In the centralized scheme one `centralized_controller` stands in the place of all strut controllers. How nodes share
+processes is in `process`.
 
 Nothing here knows ROS: a description is plain data.
 """
@@ -19,73 +20,33 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
-import yaml
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.settings_text import setting_text
 from satvib_common.struts.names import strut_names
+from satvib_control.core.parameters import state_every
 from satvib_experiment.analysis.tones import disturbance_onset
 from satvib_experiment.recording.bag_reader import custom_data
 from satvib_experiment.recording.topics import STRUT_TOPICS
 from satvib_experiment.scenario.scenario import Scenario
+from satvib_ident.model_times import ModelTimes
 from satvib_plant_sim.nodes.parameters import PlantParameters
 from satvib_plant_sim.plant.failures import CONTROLLER
 from satvib_plant_sim.rig.any_rig import strut_count
 
-from satvib_bringup.recorder.check import REPORT, expected_models
+from satvib_bringup.live.process import (
+    NodeSpec,
+    Process,
+    Stage,
+    check_composition,
+    processes_of,
+)
+from satvib_bringup.recorder.check import REPORT, Expected
 
 CENTRALIZED = 'centralized_controller'
-
-
-class Stage(IntEnum):
-    """In which order processes stop: writers before readers."""
-
-    SOURCE = 0
-    CONTROLLER = 1
-    IDENTIFIER = 2
-    RECORDER = 3
-
-
-@dataclass(frozen=True)
-class Process:
-    """One process with one node.
-
-    Attributes:
-        package, executable: what is started.
-        namespace: absolute; a strut's nodes live in the strut's.
-        name: of the node.
-        parameters: plain values.
-        stage: when it stops.
-    """
-
-    package: str
-    executable: str
-    namespace: str
-    name: str
-    parameters: Mapping[str, Any]
-    stage: Stage
-
-    @property
-    def full_name(self) -> str:
-        """Namespace and name, as shown to people: strut_1/strut_controller."""
-        return f'{self.namespace}/{self.name}'.lstrip('/')
-
-    def parameter_file(self) -> str:
-        """Text of a ROS parameter file with these parameters."""
-        return yaml.safe_dump({'/**': {'ros__parameters': dict(self.parameters)}}, sort_keys=False)
-
-    def arguments(self, parameter_file: Path) -> list[str]:
-        """Arguments of the executable."""
-        return [
-            '--ros-args',
-            '-r', f'__ns:={self.namespace}',
-            '-r', f'__node:={self.name}',
-            '--params-file', str(parameter_file),
-        ]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -93,26 +54,28 @@ class Graph:
     """The whole graph and the schedule that starts it.
 
     Attributes:
-        processes: in the order in which they start.
+        nodes: in the order in which they start.
+        processes: that run them; none where they all share the process of the runner.
         scenario: its name.
         seed: of everything random.
         sample_period: s.
         struts: names.
         plan: phases by sample.
-        models: how many models a strut publishes.
+        expected: how many messages a strut publishes.
         custom: texts for the bag: the scenario and the rig.
         kills: sample and full name of each controller that is to be killed.
         realtime: samples follow the clock; otherwise lockstep.
         onset: s, when the disturbance begins.
     """
 
+    nodes: tuple[NodeSpec, ...]
     processes: tuple[Process, ...]
     scenario: str
     seed: int
     sample_period: float
     struts: tuple[str, ...]
     plan: PhasePlan
-    models: int
+    expected: Expected
     custom: Mapping[str, str]
     kills: tuple[tuple[int, str], ...] = ()
     realtime: bool = False
@@ -128,29 +91,35 @@ class Graph:
         return [f'/{strut}/{topic}' for strut in self.struts for topic in STRUT_TOPICS]
 
     def readers(self) -> dict[str, int]:
-        """How many of the graph's own nodes read each topic of the loop, when all are there."""
-        recorder = sum(p.stage == Stage.RECORDER for p in self.processes)
-        controllers = sum(p.stage == Stage.CONTROLLER for p in self.processes)
-        found = {'/schedule': 1 + len(self.struts) + controllers + recorder}
-        alone = any(p.executable == CENTRALIZED for p in self.processes)
-        own = {'acceleration': 2, 'voltage': 2, 'identified_model': 0 if alone else 1}
-        for strut in self.struts:
-            for topic in STRUT_TOPICS:
-                found[f'/{strut}/{topic}'] = own.get(topic, 0) + recorder
+        """How many processes read each topic of the loop over the middleware, when all are there."""
+        found = dict.fromkeys(('/schedule', *self.topics()), 0)
+        for process in self.processes:
+            written = {topic for node in process.nodes for topic in node.writes}
+            for topic in {topic for node in process.nodes for topic in node.reads} - written:
+                found[topic] += 1
         return found
 
 
-def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None) -> Graph:
+def graph_of(
+    scenario: Scenario,
+    realtime: bool = False,
+    bag: Path | None = None,
+    composition: str = '',
+    arrivals: Path | None = None,
+) -> Graph:
     """Describe the graph of a scenario.
 
     Args:
         scenario: checked.
         realtime: samples follow the clock; otherwise lockstep.
         bag: folder of the bag to be written; None: nothing is recorded.
+        composition: which nodes share a process, see `process.COMPOSITIONS`; empty: as the scenario says.
+        arrivals: file for the arrivals of the voltages in real time; None: none.
 
     Raises:
         SatvibError: parameters that do not fit.
     """
+    composition = check_composition(composition or scenario.composition)
     rig = scenario.load_rig()
     rate = rig.acquisition.sample_rate
     struts = strut_names(strut_count(rig))
@@ -162,61 +131,77 @@ def graph_of(scenario: Scenario, realtime: bool = False, bag: Path | None = None
         seed=scenario.seed,
         lockstep=not realtime,
         command_timeout=scenario.command_timeout,
+        arrival_file=str(arrivals or ''),
     )
     identifier = scenario.identifier_parameters(rate, not realtime)
     controller = scenario.controller_parameters(rate, not realtime)
     plan = scenario.plan(rate)
     phases = frozenset(Phase[name] for name in identifier.estimate_in)
+    times = ModelTimes(plan, phases, identifier.model_period)
     custom = custom_data(scenario, rig, realtime)
-    processes = []
+    nodes: list[NodeSpec] = []
     if bag is not None:
-        recorder = {
-            'folder': str(bag),
-            'struts': list(struts),
-            'report': str(bag.with_name(REPORT)),
-            'custom_keys': list(custom),
-            'custom_values': list(custom.values()),
-        }
-        processes.append(
-            Process('satvib_bringup', 'recorder', '/', 'recorder', recorder, Stage.RECORDER)
-        )
+        nodes.append(_recorder(bag, struts, custom))
     central = scenario.scheme == 'centralized'
     if central:
-        processes.append(
-            Process(
+        nodes.append(
+            NodeSpec(
                 'satvib_control', CENTRALIZED, '/', CENTRALIZED,
-                controller.to_mapping(), Stage.CONTROLLER,
+                controller.to_mapping(), Stage.CONTROLLER, struts,
             )
         )  # fmt: skip
     for i, strut in enumerate(struts):
         if not central:
-            processes.append(
-                Process(
+            nodes.append(
+                NodeSpec(
                     'satvib_control', 'strut_controller', f'/{strut}', 'strut_controller',
-                    controller.replace(strut=i).to_mapping(), Stage.CONTROLLER,
+                    controller.replace(strut=i).to_mapping(), Stage.CONTROLLER, (strut,),
                 )
             )  # fmt: skip
-        processes.append(
-            Process(
+        nodes.append(
+            NodeSpec(
                 'satvib_ident', 'strut_identifier', f'/{strut}', 'strut_identifier',
-                identifier.to_mapping(), Stage.IDENTIFIER,
+                identifier.to_mapping(), Stage.IDENTIFIER, (strut,),
             )
         )  # fmt: skip
-    processes.append(
-        Process('satvib_plant_sim', 'plant_sim', '/', 'plant_sim', plant.to_mapping(), Stage.SOURCE)
-    )
+    nodes.append(
+        NodeSpec(
+            'satvib_plant_sim', 'plant_sim', '/', 'plant_sim', plant.to_mapping(), Stage.SOURCE,
+            struts,
+        )
+    )  # fmt: skip
+    processes = processes_of(nodes, composition)
     return Graph(
-        processes=tuple(processes),
+        nodes=tuple(nodes),
+        processes=processes,
         scenario=scenario.name,
         seed=scenario.seed,
         sample_period=1.0 / rate,
         struts=struts,
         plan=plan,
-        models=expected_models(plan, phases, identifier.model_period),
+        expected=Expected(
+            samples=plan.end,
+            models=times.count(),
+            states=-(-plan.end // state_every(controller)),
+            truths=-(-plan.end // max(round(plant.truth_period * rate), 1)),
+        ),
         custom=custom,
         kills=_kills(scenario, processes, rate, realtime),
         realtime=realtime,
         onset=disturbance_onset(scenario.make_disturbance()),
+    )
+
+
+def _recorder(bag: Path, struts: tuple[str, ...], custom: Mapping[str, str]) -> NodeSpec:
+    parameters = {
+        'folder': str(bag),
+        'struts': list(struts),
+        'report': str(bag.with_name(REPORT)),
+        'custom_keys': list(custom),
+        'custom_values': list(custom.values()),
+    }
+    return NodeSpec(
+        'satvib_bringup', 'recorder', '/', 'recorder', parameters, Stage.RECORDER, struts
     )
 
 
@@ -226,12 +211,13 @@ def _inline(value: Any) -> str:
 
 
 def _kills(
-    scenario: Scenario, processes: list[Process], rate: float, realtime: bool
+    scenario: Scenario, processes: tuple[Process, ...], rate: float, realtime: bool
 ) -> tuple[tuple[int, str], ...]:
     """Which processes are to be killed at which samples.
 
     Raises:
-        SatvibError: a controller is to be killed in lockstep, where the plant would wait for it for ever.
+        SatvibError: a controller is to be killed in lockstep, where the plant would wait for it for ever, or in the
+            process of all others.
     """
     found = []
     for failure in scenario.failures:
@@ -242,10 +228,13 @@ def _kills(
                 f'scenario {scenario.name}: failures: in lockstep the plant waits for every '
                 'controller, one that is killed ends the run; run it with --realtime, or simulate it'
             )
+        if not processes:
+            raise SatvibError(
+                f'scenario {scenario.name}: failures: in composition single no controller has a '
+                'process of its own that could be killed; use separate or strut'
+            )
         for process in processes:
             alone = process.executable == CENTRALIZED or failure.strut == 0
-            if process.stage == Stage.CONTROLLER and (
-                alone or process.namespace == f'/strut_{failure.strut}'
-            ):
+            if process.has_controller and (alone or process.namespace == f'/strut_{failure.strut}'):
                 found.append((failure.sample(1.0 / rate), process.full_name))
     return tuple(sorted(found))

@@ -2,14 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The runner's view of the live graph: which nodes are there, how far the run is, and the schedule that starts it.
 
-The controllers' states are looked at a few times a second through readers of depth 1, whatever the rate of the loop.
+How far the run is comes on topics that controllers publish some twenty times a second, whatever the rate of the loop.
 """
 
 import contextlib
-import time
 from functools import partial
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -18,15 +17,14 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
-from satvib_common.phases import Phase
 from satvib_common.ros.qos import offered
-from satvib_experiment.analysis.running_attenuation import RunningAttenuation
 
 from satvib_bringup.live.discovery import REPORTS, Discovery
 from satvib_bringup.live.graph import Graph
 from satvib_bringup.live.progress import Progress
 from satvib_bringup.live.schedule_message import graph_schedule
-from satvib_msgs.msg import ControllerState, Schedule
+from satvib_bringup.live.track import Track
+from satvib_msgs.msg import Schedule, StrutProgress
 
 _LATEST = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
@@ -51,19 +49,16 @@ class Observer:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._schedule_out = self._node.create_publisher(Schedule, '/schedule', offered(1))
-        self._states: dict[str, Any] = {}
-        self._attenuation = RunningAttenuation(graph.onset, graph.sample_period, len(graph.struts))
+        self._track = Track(graph)
         self.discovery = Discovery(graph, self._node, self._schedule_out)
-        self._began = time.monotonic()
-        if graph.realtime:
-            self._diagnostics = self._node.create_subscription(
-                DiagnosticArray, '/diagnostics', self.discovery.on_diagnostics, REPORTS
-            )
+        self._diagnostics = self._node.create_subscription(
+            DiagnosticArray, '/diagnostics', self.discovery.on_diagnostics, REPORTS
+        )
         for strut in graph.struts:
             self._node.create_subscription(
-                ControllerState,
-                f'/{strut}/controller_state',
-                partial(self._states.__setitem__, strut),
+                StrutProgress,
+                f'/{strut}/progress',
+                partial(self._track.take, strut),
                 _LATEST,
             )
 
@@ -85,8 +80,7 @@ class Observer:
 
     def missing(self) -> list[str]:
         """What is not there yet, after what nodes have reported meanwhile."""
-        if self.graph.realtime:
-            self._spin(2 * len(self.graph.processes))
+        self._spin(2 * len(self.graph.nodes))
         return self.discovery.missing()
 
     def _spin(self, times: int) -> None:
@@ -97,26 +91,10 @@ class Observer:
         """Start the run."""
         now = self._node.get_clock().now().to_msg()
         self._schedule_out.publish(graph_schedule(self.graph, now))
-        if self.graph.realtime:
-            self._node.destroy_subscription(self._diagnostics)
-        self._began = time.monotonic()
+        self._node.destroy_subscription(self._diagnostics)
+        self._track.begin()
 
     def look(self) -> Progress | None:
         """How far the run is; None before the first sample."""
         self._spin(2 * len(self.graph.struts))
-        if not self._states:
-            return None
-        for i, strut in enumerate(self.graph.struts):
-            if (state := self._states.get(strut)) is not None:
-                self._attenuation.add(int(state.sequence), state.phase, state.upper_rms, i)
-        newest = max(self._states.values(), key=lambda state: state.sequence)
-        samples = int(newest.sequence) + 1
-        elapsed = max(time.monotonic() - self._began, 1e-9)
-        return Progress(
-            phase=Phase(newest.phase),
-            sequence=int(newest.sequence),
-            end=self.graph.plan.end,
-            time=samples * self.graph.sample_period,
-            attenuation=tuple(self._attenuation.decibels.tolist()),
-            speed=samples * self.graph.sample_period / elapsed,
-        )
+        return self._track.progress()

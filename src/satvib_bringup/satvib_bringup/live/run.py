@@ -5,7 +5,8 @@
     outcome = run_experiment(load_scenario('paper_3dof'), Path('runs/today'))
 
 The plant ends the run when the plan is over. Whatever else ends before it ends the run at once, by name; the bag is
-closed, or put together from what a killed recorder has left.
+closed, or put together from what a killed recorder has left. In the composition `single` there is one process, this one
+(`single`).
 """
 
 import contextlib
@@ -17,14 +18,17 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from satvib_common.errors import RunError, SatvibError
+from satvib_common.errors import SatvibError
 from satvib_experiment.recording.run_folder import make_run_folder
 from satvib_experiment.scenario.scenario import Scenario
 
-from satvib_bringup.live.graph import Graph, Process, Stage, graph_of
+from satvib_bringup.live.discovery import Discovery
+from satvib_bringup.live.graph import Graph, graph_of
 from satvib_bringup.live.observer import Observer
+from satvib_bringup.live.process import Process, Stage
 from satvib_bringup.live.progress import Outcome, Progress
-from satvib_bringup.live.supervisor import Exit, Supervisor
+from satvib_bringup.live.single import EndedError, SingleRun
+from satvib_bringup.live.supervisor import Supervisor
 from satvib_bringup.live.workspace import executable, graph_environment, use_profiles
 from satvib_bringup.recorder.check import complaint, read_report
 from satvib_bringup.recorder.salvage import is_finished, salvage
@@ -45,6 +49,8 @@ def run_experiment(
     record: bool = True,
     progress: Callable[[Progress], None] | None = None,
     cancel: threading.Event | None = None,
+    composition: str = '',
+    arrivals: Path | None = None,
 ) -> Outcome:
     """Run a scenario as a live graph.
 
@@ -55,6 +61,8 @@ def run_experiment(
         record: write a bag.
         progress: called a few times a second.
         cancel: set it to end the run early.
+        composition: separate, strut or single; empty: as the scenario says.
+        arrivals: in real time, file for the arrivals of the voltages; None: none.
 
     Returns:
         How it ended; `success` is false after an early end of a process, an interruption, or lost messages.
@@ -63,21 +71,46 @@ def run_experiment(
         SatvibError: nothing was started: the folder, the domain, the workspace, the parameters.
     """
     bag = folder / 'bag' if record else None
-    graph = graph_of(scenario, realtime, bag)
+    graph = graph_of(scenario, realtime, bag, composition, arrivals)
     commands = {p.full_name: executable(p.package, p.executable) for p in graph.processes}
     use_profiles()
+    if not graph.processes:
+        with SingleRun(graph) as single, _interruptible(cancel) as interrupted:
+            _refuse_foreign_nodes(single.discovery)
+            make_run_folder(folder)
+            return _in_this_process(single, folder, bag, interrupted, progress)
     with Observer(graph) as observer, _interruptible(cancel) as interrupted:
-        _refuse_foreign_nodes(observer)
+        _refuse_foreign_nodes(observer.discovery)
         make_run_folder(folder)
         run = _Run(graph, folder, bag, interrupted)
         with Supervisor(folder / 'logs', graph_environment()) as supervisor:
             return run.go(supervisor, observer, commands, progress)
 
 
-def _refuse_foreign_nodes(observer: Observer) -> None:
+def _in_this_process(
+    single: SingleRun,
+    folder: Path,
+    bag: Path | None,
+    interrupted: threading.Event,
+    progress: Callable[[Progress], None] | None,
+) -> Outcome:
+    run = _Run(single.graph, folder, bag, interrupted)
+    run.write_parameters()
+    began = time.monotonic()
+    try:
+        began = single.start()
+        single.run(interrupted, progress)
+    except EndedError as ended:
+        run.samples, run.wall_time = single.samples, time.monotonic() - began
+        return run.ended_early(ended)
+    run.wall_time = time.monotonic() - began
+    return run.complete()
+
+
+def _refuse_foreign_nodes(discovery: Discovery) -> None:
     deadline = time.monotonic() + _LOOK_AROUND
     while time.monotonic() < deadline:
-        if others := list(observer.discovery.nodes()):
+        if others := list(discovery.nodes()):
             raise SatvibError(_foreign_message(others))
         time.sleep(0.05)
 
@@ -135,20 +168,34 @@ class _Run:
             self._watch(supervisor, observer, progress)
             self.wall_time = time.monotonic() - self.began
             self._stop_in_order(supervisor)
-        except _EndedError as ended:
+        except EndedError as ended:
             return self._failed(supervisor, ended)
+        return self.complete()
+
+    def complete(self) -> Outcome:
+        """The run came to its end; check what was recorded."""
         self.samples = self.graph.plan.end
         wrong = ''
         if self.bag is not None:
             graph = self.graph
             report = read_report(self.folder)
-            wrong = complaint(report, graph.struts, graph.plan.end, graph.models, graph.silenced())
+            wrong = complaint(report, graph.struts, graph.expected, graph.silenced())
         return self._outcome(wrong, 1 if wrong else 0)
 
+    def write_parameters(self) -> None:
+        """Write down with which parameters the nodes run that have no process of their own."""
+        for node in self.graph.nodes:
+            process = Process(node.package, node.executable, node.namespace, node.name, (node,))
+            self._parameter_file(process)
+
+    def _parameter_file(self, process: Process) -> Path:
+        path = self.folder / 'parameters' / f'{process.full_name.replace("/", ".")}.yaml'
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(process.parameter_file(), encoding='utf-8')
+        return path
+
     def _start(self, supervisor: Supervisor, process: Process, path: Path) -> None:
-        parameters = self.folder / 'parameters' / f'{process.full_name.replace("/", ".")}.yaml'
-        parameters.parent.mkdir(exist_ok=True)
-        parameters.write_text(process.parameter_file(), encoding='utf-8')
+        parameters = self._parameter_file(process)
         supervisor.start(process.full_name, [str(path), *process.arguments(parameters)])
 
     def _gather(self, supervisor: Supervisor, observer: Observer) -> None:
@@ -157,10 +204,10 @@ class _Run:
         while missing := observer.missing():
             self._has_ended(supervisor)
             if foreign_nodes := observer.discovery.foreign_nodes():
-                raise _EndedError(_foreign_message(foreign_nodes), 2)
+                raise EndedError(_foreign_message(foreign_nodes), 2)
             if time.monotonic() > deadline:
                 named = ', '.join(missing[:3]) + (', ...' if len(missing) > 3 else '')
-                raise _EndedError(f'the graph is not complete after {_START:g} s: {named}', 1)
+                raise EndedError(f'the graph is not complete after {_START:g} s: {named}', 1)
             time.sleep(_POLL)
 
     def _watch(
@@ -198,17 +245,17 @@ class _Run:
         """Whether the plant has ended as it should.
 
         Raises:
-            _EndedError: anything else ended, or the run was interrupted.
+            EndedError: anything else ended, or the run was interrupted.
         """
         if self.interrupted.is_set():
-            raise _EndedError('interrupted', 1)
+            raise EndedError('interrupted', 1)
         ended = supervisor.ended()
         source = {p.full_name for p in self.graph.processes if p.stage == Stage.SOURCE}
         for exit_ in ended:
             if exit_.name in self.killed:
                 continue
             if exit_.name not in source or exit_.code != 0:
-                raise _EndedError(str(exit_), 2 if exit_.code == 2 else 1, exit_)
+                raise EndedError(str(exit_), 2 if exit_.code == 2 else 1)
         return any(exit_.name in source for exit_ in ended)
 
     def _stop_in_order(self, supervisor: Supervisor) -> None:
@@ -216,9 +263,9 @@ class _Run:
             names = [p.full_name for p in self.graph.processes if p.stage == stage]
             for exit_ in supervisor.stop(names, _PATIENCE[stage]):
                 if exit_.code != 0:
-                    raise _EndedError(f'{exit_} (after the request to stop)', 1, exit_)
+                    raise EndedError(f'{exit_} (after the request to stop)', 1)
 
-    def _failed(self, supervisor: Supervisor, ended: '_EndedError') -> Outcome:
+    def _failed(self, supervisor: Supervisor, ended: EndedError) -> Outcome:
         """Stop what is left, the recorder last, and save the recording."""
         if self.began is not None:
             self.wall_time = time.monotonic() - self.began
@@ -226,6 +273,10 @@ class _Run:
         others = [p.full_name for p in self.graph.processes if p.stage != Stage.RECORDER]
         supervisor.stop(others, _IMPATIENCE)
         supervisor.stop(recorders, _PATIENCE[Stage.RECORDER])
+        return self.ended_early(ended)
+
+    def ended_early(self, ended: EndedError) -> Outcome:
+        """Say why, and save the recording."""
         message = f'{ended} at sample {self.samples}' if self.samples else str(ended)
         if self.bag is not None and self.bag.exists() and not is_finished(self.bag):
             saved = salvage(self.bag, self.graph.custom)
@@ -243,12 +294,3 @@ class _Run:
             not wrong, code, message, self.folder, self.bag, self.graph.struts, self.samples,
             self.wall_time, read_report(self.folder),
         )  # fmt: skip
-
-
-class _EndedError(RunError):
-    """The run is over before its end."""
-
-    def __init__(self, message: str, code: int, exit_: Exit | None = None) -> None:
-        super().__init__(message)
-        self.code = code
-        self.exit = exit_

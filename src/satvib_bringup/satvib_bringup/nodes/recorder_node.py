@@ -30,6 +30,8 @@ _GATHER = 0.02  # s
 class RecorderNode(SatvibNode[RecorderParameters]):
     """Records the graph."""
 
+    rank = 2
+
     def __init__(self) -> None:
         super().__init__('recorder', RecorderParameters)
 

@@ -8,13 +8,13 @@ from satvib_common.door import door
 
 if TYPE_CHECKING:
     from satvib_bringup.recorder.bag_sink import BagSink, open_bag
-    from satvib_bringup.recorder.check import complaint, expected_models, read_report
+    from satvib_bringup.recorder.check import Expected, complaint, read_report
     from satvib_bringup.recorder.salvage import is_finished
 
 __all__ = [
     'BagSink',
+    'Expected',
     'complaint',
-    'expected_models',
     'is_finished',
     'open_bag',
     'read_report',

@@ -2,30 +2,33 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether the recording of a run is complete.
 
-Of every sample there is exactly one acceleration, voltage, controller state and truth per strut. A model is there for
-every sample of a phase in which it is estimated and for every sample before a hand-over, and nowhere else.
+Of every sample there is exactly one acceleration and one voltage per strut, and in lockstep one controller state. The
+truth is there in blocks, and a model where `satvib_ident.model_times` says, and nowhere else.
 """
 
 import json
 from pathlib import Path
-from typing import Any
-
-from satvib_common.phases import Phase, PhasePlan
+from typing import Any, NamedTuple
 
 REPORT = 'recording.json'
 # what ends with a controller that is killed; the last model waits for a voltage that will not come
 _OF_THE_KILLED = frozenset({'voltage', 'controller_state', 'identified_model'})
 
 
-def expected_models(plan: PhasePlan, phases: frozenset[Phase], period: int) -> int:
-    """How many models a strut publishes in a whole run.
+class Expected(NamedTuple):
+    """How many messages a strut publishes in a whole run.
 
-    Args:
-        plan: phases by sample.
-        phases: those in which the estimate is updated.
-        period: samples between hand-overs.
+    Attributes:
+        samples: of the run; accelerations and voltages.
+        models: see `satvib_ident.model_times`.
+        states: controller states; in real time there may be more, up to one for each sample.
+        truths: blocks of truth.
     """
-    return sum(plan.at(k) in phases or plan.is_hand_over(k + 1, period) for k in range(plan.end))
+
+    samples: int
+    models: int
+    states: int
+    truths: int
 
 
 def read_report(folder: Path) -> dict[str, Any]:
@@ -40,8 +43,7 @@ def read_report(folder: Path) -> dict[str, Any]:
 def complaint(
     report: dict[str, Any],
     struts: tuple[str, ...],
-    samples: int,
-    models: int,
+    expected: Expected,
     silenced: frozenset[str] = frozenset(),
 ) -> str:
     """What is wrong with a recording, in one line; empty when nothing is.
@@ -49,23 +51,31 @@ def complaint(
     Args:
         report: of the recorder, by topic.
         struts: names.
-        samples: how many there must be.
-        models: how many models per strut there must be.
+        expected: how many messages of a strut there must be.
         silenced: struts whose controllers were killed in the run: what these say may end early.
     """
     for strut in struts:
-        wanted = dict.fromkeys(('acceleration', 'voltage', 'controller_state', 'truth'), samples)
-        wanted['identified_model'] = models
+        wanted = {
+            'acceleration': expected.samples,
+            'voltage': expected.samples,
+            'controller_state': expected.states,
+            'truth': expected.truths,
+            'identified_model': expected.models,
+        }
         for name, count in wanted.items():
             topic = f'/{strut}/{name}'
             found = report.get(topic, {'count': 0})
             if strut in silenced and name in _OF_THE_KILLED:
-                if not 0 < found['count'] <= count:
-                    return _miscounted(found, topic, f'1 to {count}')
+                if not 0 < found['count'] <= expected.samples:
+                    return _miscounted(found, topic, f'1 to {expected.samples}')
                 continue
-            if found['count'] != count:
+            most = expected.samples if name == 'controller_state' else count
+            if not count <= found['count'] <= most:
                 return _miscounted(found, topic, str(count))
-            if count and name != 'identified_model' and (found['gaps'] or found['first'] != 0):
+            whole = count == expected.samples and name != 'identified_model'
+            if count and (
+                (whole and found['gaps']) or (name != 'identified_model' and found['first'])
+            ):
                 return f'recording: {topic} has gaps'
     if report.get('/schedule', {'count': 0})['count'] != 1:
         return 'recording: the schedule is not in it'

@@ -16,11 +16,10 @@ from rosbags.interfaces import (
 )
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from satvib_bringup.recorder.bag_sink import BagSink, Channel
-from satvib_bringup.recorder.check import complaint, expected_models
+from satvib_bringup.recorder.check import Expected, complaint
 from satvib_bringup.recorder.message_text import type_hash
 from satvib_bringup.recorder.salvage import salvage
 from satvib_common.errors import SatvibError
-from satvib_common.phases import Phase, PhasePlan
 from satvib_experiment.recording.cdr import stamp_and_sequence
 
 KIND = 'satvib_test/msg/Sample'
@@ -134,33 +133,40 @@ def test_an_existing_folder_is_not_touched(tmp_path):
         BagSink(tmp_path / 'file' / 'bag', {})
 
 
-PLAN = PhasePlan((Phase.CALIBRATE, Phase.IDENTIFY, Phase.CONTROL), (0, 10, 30), 60)
+EXPECTED = Expected(samples=60, models=26, states=60, truths=6)
 
 
-def report(samples, models):
-    counts = dict.fromkeys(('acceleration', 'voltage', 'controller_state', 'truth'), samples)
-    counts['identified_model'] = models
+def report(**counts):
+    """Of a recorder that lost nothing, but for what is given."""
+    wanted = {
+        'acceleration': 60, 'voltage': 60, 'controller_state': 60, 'truth': 6,
+        'identified_model': 26,
+    }  # fmt: skip
     found = {
         f'/strut_1/{name}': {'count': count, 'first': 0, 'last': count - 1, 'gaps': 0}
-        for name, count in counts.items()
+        for name, count in (wanted | counts).items()
     }
+    found['/strut_1/truth']['gaps'] = 45  # nine samples between two blocks
     return found | {'/schedule': {'count': 1}}
-
-
-def test_the_expected_models_are_counted_from_the_plan():
-    """Truth: by hand: 20 samples of IDENTIFY, and 34, 39, ... 59 before every fifth sample after its first."""
-    models = expected_models(PLAN, frozenset({Phase.IDENTIFY}), 5)
-    assert models == 20 + len([34, 39, 44, 49, 54, 59])
 
 
 def test_an_incomplete_recording_is_told():
     """Truth: one thing taken away at a time."""
-    good = report(60, 26)
-    assert complaint(good, ('strut_1',), 60, 26) == ''
-    assert 'strut_1/voltage' in complaint(
-        good | {'/strut_1/voltage': {'count': 59, 'first': 0, 'last': 59, 'gaps': 1}},
-        ('strut_1',), 60, 26,
-    )  # fmt: skip
-    assert '0 messages on /strut_2' in complaint(good, ('strut_1', 'strut_2'), 60, 26)
-    assert 'identified_model' in complaint(report(60, 25), ('strut_1',), 60, 26)
-    assert 'schedule' in complaint(good | {'/schedule': {'count': 0}}, ('strut_1',), 60, 26)
+    good, struts = report(), ('strut_1',)
+    assert complaint(good, struts, EXPECTED) == ''
+    assert '0 messages on /strut_2' in complaint(good, ('strut_1', 'strut_2'), EXPECTED)
+    for lost in ('acceleration', 'voltage', 'controller_state', 'truth', 'identified_model'):
+        count = good[f'/strut_1/{lost}']['count']
+        assert f'strut_1/{lost}' in complaint(report(**{lost: count - 1}), struts, EXPECTED)
+        gap = good | {f'/strut_1/{lost}': {'count': count, 'first': 1, 'last': 60, 'gaps': 1}}
+        assert ('gaps' in complaint(gap, struts, EXPECTED)) is (lost != 'identified_model')
+    assert 'schedule' in complaint(good | {'/schedule': {'count': 0}}, struts, EXPECTED)
+
+
+def test_in_real_time_states_may_be_fewer_than_samples():
+    """Truth: the parameter state_period; every tenth sample, and more where something has changed."""
+    expected = EXPECTED._replace(states=6)
+    for count, words in ((5, 'controller_state'), (6, ''), (9, ''), (60, ''), (61, 'controller_')):
+        found = complaint(report(controller_state=count), ('strut_1',), expected)
+        assert words in found
+        assert bool(words) is bool(found)

@@ -9,6 +9,9 @@ A subclass builds its core and its publishers in `configure`, and its subscripti
 costs nothing, and a node that is activated late still receives everything. With `autostart` (the default) a node
 activates itself.
 
+A node is alone in its process, or shares it with others; it is made at its place (`place`), and its messages go through
+`endpoints`, so that no node needs to know.
+
 Every end of a node goes through `finish`, which sets the exit code and the last line of the process. Callbacks are
 registered through `guarded`: a `SatvibError` or `RunError` in a callback ends the process with that one line and no
 traceback.
@@ -19,9 +22,7 @@ from typing import Any, Generic, TypeVar
 
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
-from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
-from rclpy.subscription import Subscription
 from rclpy.task import Future
 from rclpy.timer import Timer
 from std_srvs.srv import Trigger
@@ -29,8 +30,10 @@ from std_srvs.srv import Trigger
 from satvib_common.errors import RunError, SatvibError
 from satvib_common.realtime import tidy_memory
 from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF, Diagnostics
+from satvib_common.ros.endpoints import Input, Output
 from satvib_common.ros.names import shared, strut_of
 from satvib_common.ros.parameters import NodeParameters
+from satvib_common.ros.place import place_of_node
 from satvib_common.ros.qos import offered, overridable
 from satvib_common.schema import Schema
 
@@ -38,6 +41,8 @@ P = TypeVar('P', bound=Schema)
 
 # s, how long a node that is told to stop still works on what it has received
 DRAIN = 10.0
+# s and times: how often a young node looks whether it has found others
+_LOOK, _LOOKS = 0.1, 300
 
 
 class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
@@ -51,8 +56,13 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         SatvibError: parameters that are wrong.
     """
 
+    # who goes first where a process or a processor is shared: 0 plant and controllers, 1 identifiers, 2 recorder
+    rank = 0
+
     def __init__(self, name: str, schema: type[P]) -> None:
-        super().__init__(name)
+        place = place_of_node()
+        self._exchange = place.exchange
+        super().__init__(name, **place.options)
         self.ended = False
         self.exit_code = 0
         self.last_line = ''
@@ -62,8 +72,10 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         self.active = False
         self.handled = 0
         self.failure: Exception | None = None
-        self._readers: list[Subscription] = []
-        self._writers: list[Publisher] = []
+        self._readers: list[Input] = []
+        self._writers: list[Output] = []
+        self._found: dict[str, object] = {}
+        self._looks = 0
         self._timers_made: list[Timer] = []
         self._services_made: list[Any] = []
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -126,25 +138,36 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         """Name of a topic that all struts share."""
         return shared(self.get_namespace(), topic)
 
-    def publish_on(self, kind: Any, topic: str, qos: QoSProfile | None = None) -> Publisher:
-        """Make a publisher that lives until `cleanup`."""
+    def publish_on(
+        self, kind: Any, topic: str, qos: QoSProfile | None = None, spared: bool = False
+    ) -> Output:
+        """Make a publisher that lives until `cleanup`; a spared one sends nothing while nobody reads it."""
         publisher = self.create_lifecycle_publisher(
             kind, topic, qos or offered(), qos_overriding_options=overridable()
         )
-        self._writers.append(publisher)
-        return publisher
+        self._writers.append(Output(publisher, self._exchange, spared))
+        return self._writers[-1]
 
     def listen_to(
-        self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile, **more: Any
-    ) -> Subscription:
-        """Make a subscription that lives while the node is active."""
-        reader = self.create_subscription(
-            kind, topic, self.guarded(callback), qos, qos_overriding_options=overridable(), **more
-        )
+        self,
+        kind: Any,
+        topic: str,
+        callback: Callable[[Any], None],
+        qos: QoSProfile,
+        raw: bool = False,
+    ) -> Input:
+        """Make a subscription that lives while the node is active; `raw`: of serialized messages."""
+        call = self.guarded(callback)
+        reader = Input(self, self._exchange, kind, topic, call, qos, self.rank, raw)
         self._readers.append(reader)
         return reader
 
-    def every(self, period: float, callback: Callable[[], None]) -> None:
+    def forget(self, reader: Input) -> None:
+        """End a subscription early."""
+        self._readers.remove(reader)
+        reader.close()
+
+    def every(self, period: float, callback: Callable[[], None]) -> Timer:
         """Call back every `period` s of the steady clock while the node is configured."""
 
         def call(_: None = None) -> None:
@@ -152,6 +175,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
 
         timer = self.create_timer(period, self.guarded_call(call), clock=self._steady)
         self._timers_made.append(timer)
+        return timer
 
     def offer(self, what: str) -> None:
         """Offer ~/`what` as a Trigger that calls the method of that name while the node is configured."""
@@ -167,7 +191,10 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
                 callback(message)
             except (SatvibError, RunError) as error:
                 self.fail(error)
+            if exchange is not None:
+                exchange.first()
 
+        exchange = self._exchange
         return call
 
     def guarded_call(self, callback: Callable[[], None]) -> Callable[[], None]:
@@ -178,7 +205,10 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
                 callback()
             except (SatvibError, RunError) as error:
                 self.fail(error)
+            if exchange is not None:
+                exchange.first()
 
+        exchange = self._exchange
         return call
 
     def finish(self, line: str = '', code: int = 0) -> None:
@@ -207,24 +237,34 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         self.finish(str(error), 2 if isinstance(error, SatvibError) else 1)
 
     def sources_left(self) -> bool:
-        """Whether any node still publishes what this node reads."""
-        return any(reader.get_publisher_count() > 0 for reader in self._readers)
+        """Whether any node of another process still publishes what this node reads."""
+        return any(r.get_publisher_count() > 0 for r in self._readers if not r.is_local())
 
-    def writers(self) -> list[Publisher]:
+    def writers(self) -> list[Output]:
         """Publishers whose messages should arrive before the process ends."""
         return self._writers
 
     # ---- lifecycle
 
-    def start(self) -> None:
-        """Configure and activate; `autostart` asks for it.
+    def configure_now(self) -> None:
+        """Configure; `autostart` asks for it.
 
         Raises:
-            SatvibError, RunError: what `configure` or `activate` raised.
+            SatvibError, RunError: what `configure` raised.
         """
-        for transition in (self.trigger_configure, self.trigger_activate):
-            if transition() != TransitionCallbackReturn.SUCCESS:
-                raise self.failure or RunError(f'{self.get_name()}: could not be started')
+        self._go(self.trigger_configure)
+
+    def activate_now(self) -> None:
+        """Activate; `autostart` asks for it.
+
+        Raises:
+            SatvibError, RunError: what `activate` raised.
+        """
+        self._go(self.trigger_activate)
+
+    def _go(self, transition: Callable[[], TransitionCallbackReturn]) -> None:
+        if transition() != TransitionCallbackReturn.SUCCESS:
+            raise self.failure or RunError(f'{self.get_name()}: could not be started')
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Build."""
@@ -289,13 +329,15 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         self.offer('reset')
         self._diagnostics = Diagnostics(self)
         self.every(1.0, self._report)
+        self._looks = 0
+        self._looking = self.every(_LOOK, self._look_around)
 
     def _rest(self) -> None:
         if self.active:
             self.deactivate()
         self.active = False
         for reader in self._readers:
-            self.destroy_subscription(reader)
+            reader.close()
         self._readers.clear()
 
     def _release(self) -> None:
@@ -308,7 +350,8 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         for service in self._services_made:
             self.destroy_service(service)
         for writer in self._writers:
-            self.destroy_lifecycle_publisher(writer)
+            writer.close()
+            self.destroy_lifecycle_publisher(writer.publisher)
         for made in (self._timers_made, self._services_made, self._writers):
             made.clear()
 
@@ -331,10 +374,24 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         self._diagnostics.publish(self.active, complaint, figures | self._connections())
         tidy_memory()
 
+    def _look_around(self) -> None:
+        """Report at once when others have been found: a run begins when everybody has."""
+        self._looks += 1
+        found = self._connections() if self._looks < _LOOKS else self._found
+        if found != self._found:
+            self._found = found
+            self._report()
+        elif self._looks == _LOOKS:
+            self._looking.cancel()
+
     def _connections(self) -> dict[str, object]:
         """Count the readers and writers that are connected; the graph lists them before they are."""
-        readers = {READERS_OF + w.topic_name: w.get_subscription_count() for w in self._writers}
-        writers = {WRITERS_OF + r.topic_name: r.get_publisher_count() for r in self._readers}
+        readers: dict[str, object] = {
+            READERS_OF + w.topic_name: w.get_subscription_count() for w in self._writers
+        }
+        writers: dict[str, object] = {
+            WRITERS_OF + r.topic_name: r.get_publisher_count() for r in self._readers
+        }
         return readers | writers
 
     def _settings_changed(self, parameters: P) -> None:

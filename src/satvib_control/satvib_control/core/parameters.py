@@ -83,6 +83,16 @@ class CoreParameters(LawParameters):
         read_only=True,
     )  # fmt: skip
 
+    state_period: float = param(
+        0.05,
+        'real time: time between two messages on controller_state, of which a change of phase, '
+        'fault or reason needs none; 0: every sample, as always in lockstep',
+        unit='s',
+        minimum=0.0,
+        maximum=60.0,
+        read_only=True,
+    )
+
     def check(self) -> None:
         """Check the excitation against voltage limit and sample rate."""
         super().check()
@@ -92,3 +102,9 @@ class CoreParameters(LawParameters):
                 f'{self.voltage_limit} V'
             )
         self.check_frequencies('excitation_frequencies')
+
+
+def state_every(parameters: CoreParameters) -> int:
+    """How many samples lie between two messages on controller_state: those of `state_period`, 1 in lockstep."""
+    p = parameters
+    return 1 if p.lockstep else max(round(p.state_period * p.sample_rate), 1)

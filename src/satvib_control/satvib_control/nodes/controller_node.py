@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What every controller node does: schedule, settings, services, diagnostics, and answering samples of its struts.
 
-The voltages are published first. When a sample is answered, and with which model, is up to the node of each kind.
+The voltages are published first. The state follows: in lockstep for every sample, in real time once in `state_period`
+and whenever phase, fault or reason change. When a sample is answered, and with which model, is up to the node of each
+kind.
 """
 
 import time
@@ -15,16 +17,25 @@ from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.ros.convert import check_period, fill, nanoseconds
 from satvib_common.ros.node import SatvibNode
+from satvib_common.ros.qos import offered
 from satvib_common.ros.schedule_gate import ScheduleGate
 from satvib_common.sequence import Arrival
 
 from satvib_control.core.controller import ControllerCore, ControllerOutput
+from satvib_control.core.parameters import state_every
 from satvib_control.parameters import ControllerParameters
-from satvib_msgs.msg import ControllerState, Schedule, StrutAcceleration, VcaVoltage
+from satvib_msgs.msg import (
+    ControllerState,
+    Schedule,
+    StrutAcceleration,
+    StrutProgress,
+    VcaVoltage,
+)
 
 P = TypeVar('P', bound=ControllerParameters)
 Index = tuple[int, ...]
 _STANDBY = PhasePlan((Phase.STANDBY,), (0,))
+_PROGRESS = 0.05  # s of wall time
 
 
 class ControllerNode(SatvibNode[P]):
@@ -48,11 +59,20 @@ class ControllerNode(SatvibNode[P]):
         self.last: ControllerOutput | None = None
         self.last_stamp: int | None = None
         self.slowest = 0.0
+        self.state_every = state_every(self.parameters)
+        self.shown: list[object] = [None] * len(struts)
+        self.progress_at = 0.0
+        self.progress = StrutProgress()
         self.voltages = [VcaVoltage() for _ in struts]
         self.states = [ControllerState(law=self.parameters.law) for _ in struts]
         self.voltage_out = [self.publish_on(VcaVoltage, f'{name}voltage') for _, name in struts]
         self.state_out = [
-            self.publish_on(ControllerState, f'{name}controller_state') for _, name in struts
+            self.publish_on(ControllerState, f'{name}controller_state', spared=True)
+            for _, name in struts
+        ]
+        self.progress_out = [
+            self.publish_on(StrutProgress, f'{name}progress', offered(1), spared=True)
+            for _, name in struts
         ]
 
     @abstractmethod
@@ -159,11 +179,37 @@ class ControllerNode(SatvibNode[P]):
         stamp = nanoseconds(samples[0].header.stamp)
         step = 0.0 if self.last_stamp is None else (stamp - self.last_stamp) * 1e-9
         self.last_stamp = stamp
-        spent = time.perf_counter() - start
+        now = time.perf_counter()
+        spent = now - start
         self.slowest = max(self.slowest, spent)
         for i, (place, sample) in enumerate(zip(self.places, samples, strict=True)):
-            s = self.states[i]
-            s.header = sample.header
-            fill(s, output.fields(place))
-            s.time_step, s.compute_time = step, spent
-            self.state_out[i].publish(s)
+            if self._is_shown(i, output, place):
+                s = self.states[i]
+                s.header = sample.header
+                fill(s, output.fields(place))
+                s.time_step, s.compute_time = step, spent
+                self.state_out[i].publish(s)
+        if now - self.progress_at >= _PROGRESS:
+            self.progress_at = now
+            self._show_progress(output, samples)
+
+    def _is_shown(self, i: int, output: ControllerOutput, place: Index) -> bool:
+        """Whether the state of this sample goes out; nothing is filled in for nobody."""
+        if not self.state_out[i].is_read():
+            return False
+        if self.state_every == 1:
+            return True
+        news = (output.phase, bool(output.fault[place]), int(output.reason[place]))
+        due = output.sequence % self.state_every == 0 or news != self.shown[i]
+        self.shown[i] = news
+        return due
+
+    def _show_progress(
+        self, output: ControllerOutput, samples: Sequence[StrutAcceleration]
+    ) -> None:
+        m = self.progress
+        for place, sample, out in zip(self.places, samples, self.progress_out, strict=True):
+            if out.is_read():
+                m.header, m.sequence, m.phase = sample.header, output.sequence, int(output.phase)
+                m.upper_rms = float(output.upper_rms[place])
+                out.publish(m)

@@ -63,7 +63,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
 
     def _on_model(self, message: IirParameters) -> None:
         self.check_period(f'{self.strut} identified_model', message)
-        self.models.add(message.sequence, message, self.plan)
+        self.models.add(message.sequence, message, self.plan, message.next_sequence)
         self.proceed()
 
     def _on_acceleration(self, message: StrutAcceleration) -> None:

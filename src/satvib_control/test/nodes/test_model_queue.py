@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from satvib_common.phases import Phase, PhasePlan
 from satvib_control.nodes.model_queue import ModelQueue
+from satvib_ident.model_times import ModelTimes
 
 PLAN = PhasePlan(
     (Phase.CALIBRATE, Phase.IDENTIFY, Phase.ADAPT, Phase.CONTROL), (0, 10, 40, 60), 200
@@ -14,7 +15,7 @@ PERIOD = 7
 
 
 def published(k):
-    """The samples after which the identifier publishes."""
+    """The samples after which an identifier publishes that says nothing of the next one."""
     return PLAN.at(k) == Phase.IDENTIFY or PLAN.is_hand_over(k + 1, PERIOD)
 
 
@@ -40,6 +41,33 @@ def test_in_lockstep_every_delay_gives_the_same_models(delays):
             waiting.append(k)
         k += 1
     assert taken == {k: k - 1 for k in range(PLAN.end) if PLAN.is_hand_over(k, PERIOD)}
+
+
+@given(st.lists(st.integers(0, 9), min_size=200, max_size=200))
+def test_a_model_in_force_is_not_waited_for(delays):
+    """Truth: the plan, and `ModelTimes`: after IDENTIFY no model comes, and the last one is taken once."""
+    times = ModelTimes(PLAN, frozenset({Phase.IDENTIFY}), PERIOD)
+    queue = ModelQueue(PERIOD, wait=True)
+    queue.begin(0)
+    waiting, taken = [], {}
+    k = 0
+    while k < PLAN.end:
+        ready = not waiting or delays[k] <= 5
+        if not ready:
+            model = waiting.pop(0)
+            queue.add(model, model, PLAN, times.next_after(model))
+        ready, model = queue.take(k, PLAN)
+        if not ready:
+            newest = waiting.pop(0)
+            queue.add(newest, newest, PLAN, times.next_after(newest))
+            continue
+        if model is not None:
+            taken[k] = model
+        if times.publishes(k):
+            waiting.append(k)
+        k += 1
+    # 17, 24, 31 and 38 in IDENTIFY, and the first sample of ADAPT
+    assert taken == {17: 16, 24: 23, 31: 30, 38: 37, 40: 39}
 
 
 def test_in_real_time_the_newest_is_taken_and_nobody_waits():

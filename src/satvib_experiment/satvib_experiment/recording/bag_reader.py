@@ -25,6 +25,7 @@ from satvib_experiment.recording.bag.files import BagContent, find_bag, read_bag
 from satvib_experiment.recording.bag.groups import MOST_PER_MESSAGE, group_arrays
 from satvib_experiment.recording.recording import Group, Recording
 from satvib_experiment.recording.topics import TOPICS
+from satvib_experiment.recording.unpack import hold, truth_samples
 from satvib_experiment.scenario.scenario import Scenario
 
 _KINDS = frozenset(
@@ -109,6 +110,9 @@ class _Reader:
             self.notes.append(f'{messages.unreadable} messages are damaged and were left out.')
         self._tell_missing(facts.struts, found)
         scenario, rig = self._setting(facts)
+        realtime = self.content.custom.get('satvib_realtime') == 'true'
+        if realtime and 'state' in groups:
+            hold(groups['state'])
         return Recording(
             struts=facts.struts,
             sample_period=facts.sample_period,
@@ -118,7 +122,7 @@ class _Reader:
             groups=groups,
             scenario=scenario,
             rig=rig,
-            realtime=self.content.custom.get('satvib_realtime') == 'true',
+            realtime=realtime,
             seed=facts.seed,
             source=str(self.bag),
             counts=dict(self.counts),
@@ -143,8 +147,19 @@ class _Reader:
                     f'{self.bag}: {printable(strut)} is in it twice, as {printable(topics[strut])} and '
                     f'{printable(topic)}; record one graph in one bag'
                 )
-            by_strut[strut].append(message)
+            by_strut[strut] += self._unpacked(message)
         return by_strut
+
+    def _unpacked(self, message: Any) -> list[Any]:
+        """The samples of a block of truth; any other message alone."""
+        if getattr(message, 'samples', 0) <= 1:
+            return [message]
+        try:
+            return truth_samples(message)
+        except SatvibError as error:
+            if not self.recover:
+                raise SatvibError(f'{self.bag}: {error}') from None
+            return []
 
     def _span(self, struts: tuple[str, ...], measured: ByStrut) -> tuple[int, int]:
         """First sample and number of samples."""

@@ -120,11 +120,15 @@ class Recording:
         ]
 
     def lost(self) -> dict[str, int]:
-        """Messages per group that should be there and are not (models come on some samples only)."""
+        """Messages per group that should be there and are not.
+
+        Models come on some samples only, and in real time the states of the controllers do.
+        """
+        sparse = {'model', 'state'} if self.realtime else {'model'}
         return {
             group: int(np.size(fields['present']) - np.count_nonzero(fields['present']))
             for group, fields in self.groups.items()
-            if group != 'model'
+            if group not in sparse
         }
 
     def save(self, path: Path) -> None:

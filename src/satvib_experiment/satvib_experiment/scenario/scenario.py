@@ -110,6 +110,11 @@ class Scenario(Schema):
     model_period: int = param(
         50, 'samples between hand-overs of the model; 0: only at phase changes', minimum=0
     )
+    composition: str = param(
+        'separate',
+        'live run: a process for each node (separate), for each strut (strut), or for all (single)',
+        choices=('separate', 'strut', 'single'),
+    )
     analysis: AnalysisSettings = param(AnalysisSettings(), 'what the report looks at')
 
     def check(self) -> None:

@@ -49,6 +49,14 @@ class PlantParameters(Schema):
         unit='s',
         above=0.0,
     )
+    truth_period: float = param(
+        0.05, 'length of the blocks in which the truth is published; 0: every sample by itself',
+        unit='s', minimum=0.0, maximum=60.0, read_only=True,
+    )  # fmt: skip
+    arrival_file: str = param(
+        '', 'real time: file for the arrival of every voltage, s after its sample was published, as '
+        '.npy (voltages, 3): strut, sample, arrival; empty: none', read_only=True,
+    )  # fmt: skip
     wait_for_schedule: bool = param(
         True, 'begin with sample 0 when the schedule is there', read_only=True
     )

@@ -24,10 +24,12 @@ from satvib_common.ros.schedule_gate import ScheduleGate
 from satvib_common.struts.names import strut_names
 
 from satvib_msgs.msg import Schedule, StrutAcceleration, StrutTruth, VcaVoltage
+from satvib_plant_sim.nodes.arrivals import Arrivals
 from satvib_plant_sim.nodes.lockstep_answers import Answers
 from satvib_plant_sim.nodes.parameters import PlantParameters
-from satvib_plant_sim.nodes.plant_messages import StrutMessages
+from satvib_plant_sim.nodes.plant_messages import StrutMessage
 from satvib_plant_sim.nodes.realtime_commands import Commands
+from satvib_plant_sim.nodes.truth_block import TruthBlock
 
 _CLOCK_PERIOD = 0.01  # s of wall time between two messages on /clock
 _HEAD_START = (
@@ -47,13 +49,17 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.plant = plant = p.make_plant()
         self.names = list(strut_names(plant.struts))
         self.messages = [
-            StrutMessages(i, name, StrutAcceleration(), StrutTruth(), plant)
+            StrutMessage(i, name, StrutAcceleration(), plant.dt)
             for i, name in enumerate(self.names)
         ]
         self.samples_out = [
             self.publish_on(StrutAcceleration, f'{name}/acceleration') for name in self.names
         ]
-        self.truth_out = [self.publish_on(StrutTruth, f'{name}/truth') for name in self.names]
+        outs = [self.publish_on(StrutTruth, f'{name}/truth', spared=True) for name in self.names]
+        size = max(round(p.truth_period / plant.dt), 1)
+        truths = [StrutTruth() for _ in self.names]
+        self.truth = TruthBlock(self.names, truths, outs, plant.fine_period, size)
+        self.arrivals = Arrivals(p.arrival_file)
         self.clock_out = self.create_publisher(Clock, '/clock', qos_profile_sensor_data)
         self.clock, self.clock_at = Clock(), 0.0
         self.answers = Answers(self.names)
@@ -79,6 +85,11 @@ class PlantSimNode(SatvibNode[PlantParameters]):
             self.listen_to(VcaVoltage, f'{name}/voltage', partial(self._on_voltage, i), whole)
         if not self.parameters.wait_for_schedule:
             self._set_off()
+
+    def deactivate(self) -> None:
+        """Publish and write what has been gathered."""
+        self.truth.flush()
+        self.arrivals.save()
 
     def stop(self) -> str:
         """Latch 0 V at every strut."""
@@ -138,6 +149,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
                 self._advance(np.where(self.commands.fault, 0.0, self.answers.voltage), None)
             return
         now = time.monotonic()
+        self.arrivals.arrived(i, sequence)
         if not math.isfinite(voltage):
             self.get_logger().error(
                 f'{self.names[i]}: the voltage of sample {sequence} is {voltage}; 0 V until reset',
@@ -147,15 +159,13 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.commands.take(i, voltage, now, since, late=sequence < k)
 
     def _advance(self, voltage: Array, arrival: Array | None) -> None:
-        """End the period of sample k; the next sample goes out first, because the identifiers wait for it."""
+        """End the period of sample k; the next sample goes out first, because the controllers wait for it."""
         k = self.k
         truth = self.plant.advance(voltage, arrival)
         over = 0 < self.end_at <= k + 1
         if not over:
             self._publish_sample()
-        stamp = self._stamp(k)
-        for strut, publisher in zip(self.messages, self.truth_out, strict=True):
-            publisher.publish(strut.happened(truth, k, stamp))
+        self.truth.add(truth, k, self._stamp(k))
         if over:
             self.finish(
                 f'{k + 1} samples of {len(self.names)} struts, {(k + 1) * self.plant.dt:g} s; '
@@ -166,6 +176,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         sample = self.plant.sample()
         self.k = sample.sequence
         stamp = self._stamp(self.k)
+        self.arrivals.published(self.k)
         for strut, publisher in zip(self.messages, self.samples_out, strict=True):
             publisher.publish(strut.sampled(sample, stamp))
         self.published_at = now = time.monotonic()

@@ -14,7 +14,11 @@ from satvib_common.errors import SatvibError
 from satvib_experiment.recording.recording import Group
 
 MOST_PER_MESSAGE = 20  # samples from first to last; a recording that lost more of them is none
-_SKIPPED = ('header', 'sequence')
+# where a message belongs, and how it is packed
+_SKIPPED = frozenset({
+    'header', 'sequence', 'next_sequence', 'samples', 'strokes', 'stroke_peaks', 'force_peaks',
+    'currents',
+})  # fmt: skip
 _LONGEST_TEXT = 256  # characters of a reason that are kept
 _SPARE = 1_000_000  # elements of an array that any file may ask for
 

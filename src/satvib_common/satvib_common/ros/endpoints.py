@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a node publishes with and listens with: the middleware, and the exchange where nodes share a process."""
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.subscription import Subscription
+
+from satvib_common.ros.exchange import Exchange, Reader
+from satvib_common.ros.qos import overridable
+
+
+class Output:
+    """A publisher that sends nothing that nobody wants.
+
+    Args:
+        publisher: of the middleware; one of a managed node publishes while it is activated.
+        exchange: of this process; None: the node is alone in it.
+        spared: nobody waits for these messages, so that they go out only while they are read.
+    """
+
+    def __init__(self, publisher: Any, exchange: Exchange | None, spared: bool) -> None:
+        self.publisher: Any = publisher
+        self.topic_name: str = publisher.topic_name
+        self._exchange = exchange
+        self._topic = exchange.topic(self.topic_name) if exchange else None
+        if self._topic is not None:
+            self._topic.writers += 1
+        self._spared = spared or (
+            exchange is not None and exchange.closed and publisher.qos_profile.depth > 1
+        )
+
+    def publish(self, message: Any) -> None:
+        """Publish to the readers in this process and to all others."""
+        publisher, topic = self.publisher, self._topic
+        text = None
+        if topic is not None and topic.readers and getattr(publisher, 'is_activated', True):
+            assert self._exchange is not None
+            text = self._exchange.send(topic, message)
+        if not self._spared or publisher.get_subscription_count() > 0:
+            publisher.publish(message if text is None else text)
+
+    def is_read(self) -> bool:
+        """Whether it is worth while to fill in a message."""
+        if not self._spared or (self._topic is not None and self._topic.readers):
+            return True
+        return bool(self.publisher.get_subscription_count() > 0)
+
+    def get_subscription_count(self) -> int:
+        """How many readers in other processes are connected."""
+        return int(self.publisher.get_subscription_count())
+
+    def wait_for_all_acked(self, timeout: Any) -> bool:
+        """Wait until every reader in another process has what was published."""
+        return bool(self.publisher.wait_for_all_acked(timeout))
+
+    def close(self) -> None:
+        """The writer is gone; its publisher is destroyed by its node."""
+        if self._topic is not None:
+            self._topic.writers -= 1
+
+
+class Input:
+    """A subscription: of the middleware, shared in this process, or to a writer of this process alone.
+
+    Args:
+        node: that listens.
+        exchange: of this process; None: the node is alone in it.
+        kind: of the messages.
+        topic: name.
+        call: takes a message.
+        qos: as wanted of the middleware.
+        rank: of the node.
+        raw: serialized messages.
+    """
+
+    def __init__(
+        self, node: Node, exchange: Exchange | None, kind: Any, topic: str,
+        call: Callable[[Any], None], qos: QoSProfile, rank: int, raw: bool = False,
+    ) -> None:  # fmt: skip
+        self.topic_name: str = node.resolve_topic_name(topic)
+        self._node, self._exchange = node, exchange
+        self.subscription: Subscription | None = None
+        self._reader: Reader | None = None
+
+        def subscribe(take: Callable[[Any], None]) -> Subscription:
+            return node.create_subscription(
+                kind, topic, take, qos, qos_overriding_options=overridable(), raw=raw
+            )
+
+        if exchange is None:
+            self.subscription = subscribe(call)
+            return
+        whole = qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        local = exchange.topic(self.topic_name)
+        self._reader = Reader(call, rank, raw)
+        if local.writers:
+            exchange.attach(self.topic_name, self._reader, whole)
+        elif exchange.founding and (local.subscription is None or local.is_raw == raw):
+            exchange.attach(self.topic_name, self._reader)
+            if local.subscription is None:
+                local.node, local.is_raw = node, raw
+                local.subscription = subscribe(lambda m: exchange.pass_on(local, m))
+        else:  # the past of the topic comes to new subscriptions only
+            self._reader = None
+            self.subscription = subscribe(call)
+
+    def get_publisher_count(self) -> int:
+        """How many writers are connected."""
+        if self.subscription is not None:
+            return self.subscription.get_publisher_count()
+        assert self._exchange is not None
+        local = self._exchange.topic(self.topic_name)
+        if local.writers:
+            return local.writers
+        return int(local.subscription.get_publisher_count()) if local.subscription else 0
+
+    def is_local(self) -> bool:
+        """Whether it hears a writer of this process."""
+        return (
+            self.subscription is None
+            and self._exchange is not None
+            and bool(self._exchange.topic(self.topic_name).writers)
+        )
+
+    def close(self) -> None:
+        """Listen no more."""
+        if self.subscription is not None:
+            self._node.destroy_subscription(self.subscription)
+        elif self._exchange is not None and self._reader is not None:
+            self._exchange.detach(self.topic_name, self._reader)
+            local = self._exchange.topic(self.topic_name)
+            if local.subscription is not None and not local.readers:
+                local.node.destroy_subscription(local.subscription)
+                local.subscription = None

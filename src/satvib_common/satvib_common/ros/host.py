@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The main loop of a process with one node or several: one thread, one executor, clean ends.
+
+The loop runs on rclpy's EventsExecutor where there is one, and on the SingleThreadedExecutor otherwise. Its `spin()`
+without a time limit dispatches nothing (a defect of rclpy 7.1), so it spins in slices.
+"""
+
+import contextlib
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rclpy.context import Context
+from rclpy.duration import Duration
+from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.task import Future
+
+from satvib_common.ros.exchange import Exchange
+from satvib_common.ros.node import DRAIN, SatvibNode
+
+# s, the longest time between two looks at signals
+_SLICE = 0.1
+# s, the longest time in which nodes of one process work on each other's messages alone
+_AMONG_THEMSELVES = 0.02
+# s, for messages on their way when the process ends
+_ACKNOWLEDGE = 1.0
+
+
+def make_executor(context: Context | None = None) -> Executor:
+    """Give the executor with the least cost per message that this rclpy has."""
+    try:
+        from rclpy.experimental import EventsExecutor
+    except ImportError:  # before rclpy 7.1.4
+        return SingleThreadedExecutor(context=context)
+    return EventsExecutor(context=context)
+
+
+class Host:
+    """Nodes that share a process, a thread and an executor.
+
+    Args:
+        nodes: they are of one context.
+        exchange: of their messages; None where there is one node.
+    """
+
+    def __init__(self, nodes: Sequence[SatvibNode[Any]], exchange: Exchange | None = None) -> None:
+        self.nodes = list(nodes)
+        self.exchange = exchange
+        self._executor = make_executor(nodes[0].context)
+        for node in nodes:
+            self._executor.add_node(node)
+        if exchange is not None:
+            exchange.wake = self._wake
+
+    @property
+    def ended(self) -> SatvibNode[Any] | None:
+        """The node that has ended, one that failed before any other."""
+        ended = [node for node in self.nodes if node.ended]
+        return max(ended, key=lambda node: node.exit_code, default=None)
+
+    def start(self) -> None:
+        """Configure all nodes and then activate them, so that readers find the writers of this process.
+
+        Raises:
+            SatvibError, RunError: a node cannot be started.
+        """
+        starting = [node for node in self.nodes if node.autostart]
+        for node in starting:
+            node.configure_now()
+        for node in starting:
+            node.activate_now()
+
+    def spin(self, each: Callable[[], None] | None = None) -> None:
+        """Run until a node has ended; `each` is called between two slices of the loop."""
+        exchange = self.exchange
+        if exchange is not None:
+            exchange.founding = False
+        while self.ended is None and self.nodes[0].context.ok():
+            wait = min(node.tick() if node.active else _SLICE for node in self.nodes)
+            if exchange is not None:
+                exchange.work(time.monotonic() + min(wait, _AMONG_THEMSELVES))
+                wait = 0.0 if exchange.waits() else wait
+            if each is not None:
+                each()
+            wake = Future()
+            for node in self.nodes:
+                node.wake = wake
+            pause = self.nodes[0].pause() if len(self.nodes) == 1 else 0.0
+            if pause > 0.0:
+                time.sleep(pause)
+                wait = 0.0
+            if self.ended is None:
+                self._executor.spin_until_future_complete(wake, timeout_sec=min(wait, _SLICE))
+
+    def end(self) -> None:
+        """Work on what has been received, bring all nodes to rest, and wait until others have what they said."""
+        self._drain()
+        for node in sorted(self.nodes, key=lambda node: node.rank):
+            if node.active:
+                node.trigger_deactivate()
+            if self.exchange is not None:
+                self.exchange.work(time.monotonic() + DRAIN)
+        self._acknowledge()
+
+    def close(self) -> None:
+        """Leave nothing behind."""
+        with contextlib.suppress(Exception):
+            self._executor.shutdown(0.0)
+
+    def _wake(self) -> None:
+        self.nodes[0].wake_up()
+
+    def _drain(self) -> None:
+        """Process what has been received, if no source sends any more; a live source would never end."""
+        deadline = time.monotonic() + DRAIN
+        if self.exchange is not None:
+            self.exchange.work(deadline)
+        while all(node.exit_code == 0 for node in self.nodes):
+            working = [node for node in self.nodes if node.active]
+            if not working or any(node.sources_left() for node in working):
+                return
+            before = sum(node.handled for node in working)
+            self._executor.spin_until_future_complete(Future(), timeout_sec=0.02)
+            if self.exchange is not None:
+                self.exchange.work(deadline)
+            if sum(node.handled for node in working) == before or time.monotonic() > deadline:
+                return
+
+    def _acknowledge(self) -> None:
+        """Wait until every reader has what was published."""
+        deadline = time.monotonic() + _ACKNOWLEDGE
+        for writer in (writer for node in self.nodes for writer in node.writers()):
+            left = max(deadline - time.monotonic(), 0.0)
+            with contextlib.suppress(Exception):
+                writer.wait_for_all_acked(Duration(seconds=left))
