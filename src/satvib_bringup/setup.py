@@ -28,6 +28,7 @@ setup(
         'console_scripts': [
             'satvib = satvib_bringup.cli.main:main',
             'strut = satvib_bringup.nodes.strut:main',
+            'single = satvib_bringup.nodes.single:main',
             'recorder = satvib_bringup.nodes.recorder_node:main',
             'experiment = satvib_bringup.nodes.experiment_node:main',
             'schedule = satvib_bringup.nodes.schedule_node:main',

@@ -22,7 +22,7 @@ from launch.events import Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from satvib_bringup.live.graph import graph_of
-from satvib_bringup.live.process import Stage
+from satvib_bringup.live.process import Process, Stage
 from satvib_bringup.live.workspace import graph_environment
 from satvib_experiment.scenario.scenario import load_scenario
 
@@ -48,30 +48,46 @@ def start_graph(context: LaunchContext) -> list[object]:
     overrides = value['overrides'].split()
     bag = Path(value['bag']) if value['bag'] else None
     realtime = value['realtime'].lower() == 'true'
-    graph = graph_of(load_scenario(value['scenario'], overrides), realtime, bag)
+    composition = value['composition']
+    graph = graph_of(load_scenario(value['scenario'], overrides), realtime, bag, composition)
     profiles = 'FASTRTPS_DEFAULT_PROFILES_FILE'
     actions: list[object] = [SetEnvironmentVariable(profiles, graph_environment()[profiles])]
+    if not graph.processes:
+        single = [value['scenario'], *(f'--set={change}' for change in overrides)]
+        single += ['--realtime'] if realtime else []
+        single += [f'--bag={bag}'] if bag else []
+        return [
+            *actions,
+            Node(package='satvib_bringup', executable='single', arguments=single, output='screen'),
+        ]
     for process in graph.processes:
-        node = Node(
-            package=process.package,
-            executable=process.executable,
-            namespace=process.namespace,
-            name=process.name,
-            parameters=[parameter_file(process.parameter_file())],
-            output='screen',
-        )
+        node = started(process)
         actions.append(node)
         if process.stage == Stage.SOURCE:
             over = EmitEvent(event=Shutdown(reason='the plant has ended'))
             actions.append(RegisterEventHandler(OnProcessExit(target_action=node, on_exit=[over])))
     scenario = {'scenario': value['scenario'], 'realtime': realtime, 'recorded': bag is not None}
     scenario |= {'overrides': overrides} if overrides else {}
+    scenario |= {'composition': composition} if composition else {}
     actions.append(
         Node(
             package='satvib_bringup', executable='schedule', name='schedule', parameters=[scenario]
         )
     )
     return actions
+
+
+def started(process: Process) -> Node:
+    """What launch starts; the nodes of a shared process keep their names."""
+    name = {'name': process.name} if len(process.nodes) == 1 else {}
+    return Node(
+        package=process.package,
+        executable=process.executable,
+        namespace=process.namespace,
+        parameters=[parameter_file(process.parameter_file())],
+        output='screen',
+        **name,
+    )
 
 
 def parameter_file(text: str) -> str:

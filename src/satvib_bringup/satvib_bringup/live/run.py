@@ -75,11 +75,11 @@ def run_experiment(
     commands = {p.full_name: executable(p.package, p.executable) for p in graph.processes}
     use_profiles()
     if not graph.processes:
-        with SingleRun(graph) as single, _interruptible(cancel) as interrupted:
+        with SingleRun(graph) as single, interruptible(cancel) as interrupted:
             _refuse_foreign_nodes(single.discovery)
             make_run_folder(folder)
             return _in_this_process(single, folder, bag, interrupted, progress)
-    with Observer(graph) as observer, _interruptible(cancel) as interrupted:
+    with Observer(graph) as observer, interruptible(cancel) as interrupted:
         _refuse_foreign_nodes(observer.discovery)
         make_run_folder(folder)
         run = _Run(graph, folder, bag, interrupted)
@@ -125,7 +125,7 @@ def _foreign_message(others: list[str]) -> str:
 
 
 @contextlib.contextmanager
-def _interruptible(cancel: threading.Event | None) -> Iterator[threading.Event]:
+def interruptible(cancel: threading.Event | None) -> Iterator[threading.Event]:
     """Turn SIGINT and SIGTERM into an event, in the main thread; elsewhere `cancel` alone counts."""
     event = cancel or threading.Event()
     before = {}

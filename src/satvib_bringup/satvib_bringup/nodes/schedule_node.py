@@ -36,6 +36,9 @@ class ScheduleParameters(Schema):
     realtime: bool = param(
         False, 'wait until the nodes of the scenario have found one another', read_only=True
     )
+    composition: str = param(
+        '', 'how the nodes share processes; empty: as the scenario says', read_only=True
+    )
     recorded: bool = param(False, 'with realtime: a recorder is one of them', read_only=True)
 
 
@@ -49,7 +52,8 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
         """Load the scenario."""
         p = self.parameters
         bag = Path('bag') if p.recorded else None
-        self.graph = graph_of(load_scenario(p.scenario, p.overrides), p.realtime, bag)
+        scenario = load_scenario(p.scenario, p.overrides)
+        self.graph = graph_of(scenario, p.realtime, bag, p.composition)
         self.publisher = self.publish_on(ScheduleMessage, 'schedule', offered(1))
         self.discovery = Discovery(self.graph, self, self.publisher)
         self.waits = False

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
-from satvib_common.ros.convert import check_period, fill, nanoseconds
+from satvib_common.ros.convert import check_period, fill
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import offered
 from satvib_common.ros.schedule_gate import ScheduleGate
@@ -23,6 +23,7 @@ from satvib_common.sequence import Arrival
 
 from satvib_control.core.controller import ControllerCore, ControllerOutput
 from satvib_control.core.parameters import state_every
+from satvib_control.nodes.state_report import StateReport
 from satvib_control.parameters import ControllerParameters
 from satvib_msgs.msg import (
     ControllerState,
@@ -35,7 +36,6 @@ from satvib_msgs.msg import (
 P = TypeVar('P', bound=ControllerParameters)
 Index = tuple[int, ...]
 _STANDBY = PhasePlan((Phase.STANDBY,), (0,))
-_PROGRESS = 0.05  # s of wall time
 
 
 class ControllerNode(SatvibNode[P]):
@@ -57,23 +57,18 @@ class ControllerNode(SatvibNode[P]):
             self, self.shared('schedule'), self.parameters.sample_rate, self.run_is_on
         )
         self.last: ControllerOutput | None = None
-        self.last_stamp: int | None = None
         self.slowest = 0.0
-        self.state_every = state_every(self.parameters)
-        self.shown: list[object] = [None] * len(struts)
-        self.progress_at = 0.0
-        self.progress = StrutProgress()
         self.voltages = [VcaVoltage() for _ in struts]
-        self.states = [ControllerState(law=self.parameters.law) for _ in struts]
         self.voltage_out = [self.publish_on(VcaVoltage, f'{name}voltage') for _, name in struts]
-        self.state_out = [
-            self.publish_on(ControllerState, f'{name}controller_state', spared=True)
+        outs = [
+            (
+                self.publish_on(ControllerState, f'{name}controller_state', spared=True),
+                self.publish_on(StrutProgress, f'{name}progress', offered(1), spared=True),
+            )
             for _, name in struts
         ]
-        self.progress_out = [
-            self.publish_on(StrutProgress, f'{name}progress', offered(1), spared=True)
-            for _, name in struts
-        ]
+        p = self.parameters
+        self.report = StateReport(self.places, outs, p.law, state_every(p))
 
     @abstractmethod
     def work(self, plan: PhasePlan) -> None:
@@ -176,40 +171,4 @@ class ControllerNode(SatvibNode[P]):
             fill(v, output.voltages(), place)
             self.voltage_out[i].publish(v)
         self.last = output
-        stamp = nanoseconds(samples[0].header.stamp)
-        step = 0.0 if self.last_stamp is None else (stamp - self.last_stamp) * 1e-9
-        self.last_stamp = stamp
-        now = time.perf_counter()
-        spent = now - start
-        self.slowest = max(self.slowest, spent)
-        for i, (place, sample) in enumerate(zip(self.places, samples, strict=True)):
-            if self._is_shown(i, output, place):
-                s = self.states[i]
-                s.header = sample.header
-                fill(s, output.fields(place))
-                s.time_step, s.compute_time = step, spent
-                self.state_out[i].publish(s)
-        if now - self.progress_at >= _PROGRESS:
-            self.progress_at = now
-            self._show_progress(output, samples)
-
-    def _is_shown(self, i: int, output: ControllerOutput, place: Index) -> bool:
-        """Whether the state of this sample goes out; nothing is filled in for nobody."""
-        if not self.state_out[i].is_read():
-            return False
-        if self.state_every == 1:
-            return True
-        news = (output.phase, bool(output.fault[place]), int(output.reason[place]))
-        due = output.sequence % self.state_every == 0 or news != self.shown[i]
-        self.shown[i] = news
-        return due
-
-    def _show_progress(
-        self, output: ControllerOutput, samples: Sequence[StrutAcceleration]
-    ) -> None:
-        m = self.progress
-        for place, sample, out in zip(self.places, samples, self.progress_out, strict=True):
-            if out.is_read():
-                m.header, m.sequence, m.phase = sample.header, output.sequence, int(output.phase)
-                m.upper_rms = float(output.upper_rms[place])
-                out.publish(m)
+        self.slowest = max(self.slowest, self.report.publish(output, samples, start))

@@ -32,9 +32,7 @@ from satvib_plant_sim.nodes.realtime_commands import Commands
 from satvib_plant_sim.nodes.truth_block import TruthBlock
 
 _CLOCK_PERIOD = 0.01  # s of wall time between two messages on /clock
-_HEAD_START = (
-    0.2  # s from the schedule to sample 0 in real time, for the discovery of the last readers
-)
+_HEAD_START = 0.2  # s from the schedule to sample 0 in real time
 
 
 class PlantSimNode(SatvibNode[PlantParameters]):
@@ -48,29 +46,23 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         p = self.parameters
         self.plant = plant = p.make_plant()
         self.names = list(strut_names(plant.struts))
+        names = self.names
         self.messages = [
-            StrutMessage(i, name, StrutAcceleration(), plant.dt)
-            for i, name in enumerate(self.names)
+            StrutMessage(i, name, StrutAcceleration(), plant.dt) for i, name in enumerate(names)
         ]
-        self.samples_out = [
-            self.publish_on(StrutAcceleration, f'{name}/acceleration') for name in self.names
-        ]
-        outs = [self.publish_on(StrutTruth, f'{name}/truth', spared=True) for name in self.names]
-        size = max(round(p.truth_period / plant.dt), 1)
-        truths = [StrutTruth() for _ in self.names]
-        self.truth = TruthBlock(self.names, truths, outs, plant.fine_period, size)
+        self.samples_out = [self.publish_on(StrutAcceleration, f'{n}/acceleration') for n in names]
+        outs = [self.publish_on(StrutTruth, f'{n}/truth', spared=True) for n in names]
+        truths = [StrutTruth(fine_period=plant.fine_period) for _ in names]
+        self.truth = TruthBlock(names, truths, outs, max(round(p.truth_period / plant.dt), 1))
         self.arrivals = Arrivals(p.arrival_file)
         self.clock_out = self.create_publisher(Clock, '/clock', qos_profile_sensor_data)
-        self.clock, self.clock_at = Clock(), 0.0
+        self.clock, self.clock_at, self.published_at = Clock(), 0.0, 0.0
         self.answers = Answers(self.names)
         self.commands = Commands(plant.struts, p.command_timeout, plant.dt)
-        self.k = -1  # the sample that is out
-        self.end_at = 0
+        self.k, self.end_at = -1, 0  # the sample that is out, and the end of the run
         self.gate = ScheduleGate(self, 'schedule', 1.0 / plant.dt, lambda: self.k >= 0, self.names)
+        self.stamp_of_start = self.overdue = 0
         self.zero: float | None = None  # s of the steady clock: sample 0 in real time
-        self.stamp_of_start = 0
-        self.overdue = 0
-        self.published_at = 0.0
         self.every(0.1, self._watch)
 
     def cleanup(self) -> None:
@@ -104,26 +96,25 @@ class PlantSimNode(SatvibNode[PlantParameters]):
     def diagnose(self) -> tuple[str, dict[str, object]]:
         """Give the counts."""
         at_fault = [n for n, f in zip(self.names, self.commands.fault, strict=True) if f]
+        late = {'late voltages': self.commands.late, 'late samples': self.overdue}
         complaint = f'0 V latched at {", ".join(at_fault)}' if at_fault else ''
         complaint = complaint if self.k >= 0 else 'waiting for the schedule'
-        late = {'late voltages': self.commands.late, 'late samples': self.overdue}
         return complaint, {'sequence': self.k, **late}
 
     def tick(self) -> float:
-        """In real time do every sample that is due; gives the time to the next, in s."""
+        """In real time do a sample that is due; gives the time to the next, in s."""
         if self.zero is None:
             return 0.1
-        while not self.ended:
-            due = self.zero + (self.k + 1) * self.plant.dt
-            left = due - time.monotonic()
-            if left > 0.0:
-                return left
-            self.overdue += -left > self.plant.dt
-            if self.k < 0:
-                self._publish_sample()
-            else:
-                self._advance(*self.commands.period_over(due))
-        return 0.0
+        due = self.zero + (self.k + 1) * self.plant.dt
+        left = due - time.monotonic()
+        if left > 0.0:
+            return left
+        self.overdue += -left > self.plant.dt
+        if self.k < 0:
+            self._publish_sample()
+        else:
+            self._advance(*self.commands.period_over(due))
+        return 0.0  # voltages that are there come before another sample that is due
 
     def _on_schedule(self, message: Schedule) -> None:
         plan = self.gate.take(message)
@@ -151,10 +142,10 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         now = time.monotonic()
         self.arrivals.arrived(i, sequence)
         if not math.isfinite(voltage):
-            self.get_logger().error(
-                f'{self.names[i]}: the voltage of sample {sequence} is {voltage}; 0 V until reset',
-                throttle_duration_sec=1.0,
+            text = (
+                f'{self.names[i]}: the voltage of sample {sequence} is {voltage}; 0 V until reset'
             )
+            self.get_logger().error(text, throttle_duration_sec=1.0)
         since = max(now - self.zero - k * self.plant.dt, 0.0)
         self.commands.take(i, voltage, now, since, late=sequence < k)
 
@@ -192,11 +183,11 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         """In lockstep, end the run when a voltage does not come."""
         if not self.active or self.zero is not None or self.k < 0:
             return
-        limit = self.parameters.lockstep_timeout
+        limit, k = self.parameters.lockstep_timeout, self.k
         if time.monotonic() - self.published_at > limit:
             raise RunError(
-                f'no voltage for sample {self.k} from {", ".join(self.answers.missing(self.k))} '
-                f'within {limit:g} s; is the controller there, and its identifier?'
+                f'no voltage for sample {k} from {", ".join(self.answers.missing(k))} within '
+                f'{limit:g} s; is the controller there, and its identifier?'
             )
 
 

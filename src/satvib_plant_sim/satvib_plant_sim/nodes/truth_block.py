@@ -24,9 +24,8 @@ class TruthBlock:
 
     Args:
         names: of the struts.
-        messages: an empty StrutTruth for each.
+        messages: a StrutTruth for each, with its fine period.
         outputs: their publishers.
-        fine_period: s.
         size: samples of a block.
     """
 
@@ -35,14 +34,12 @@ class TruthBlock:
         names: Sequence[str],
         messages: Sequence[Any],
         outputs: Sequence[Any],
-        fine_period: float,
         size: int,
     ) -> None:
         self.size = size
         self._messages, self._outputs = messages, outputs
         for name, message in zip(names, messages, strict=True):
             message.header.frame_id = name
-            message.fine_period = fine_period
         self._waiting: list[Truth] = []
         self._first = self._stamp = 0
 

@@ -21,15 +21,25 @@ Realtime = Annotated[
         '--realtime', help='At the pace of the clock, instead of in lockstep as fast as it goes.'
     ),
 ]
+Composition = Annotated[
+    str,
+    typer.Option(
+        '--composition',
+        help='A process for each node (separate), for each strut (strut), or one for all (single). '
+        'Without it: as the scenario says.',
+        metavar='separate|strut|single',
+    ),
+]
 
 
 def demo(
     settings: Settings = None,
     folder: Folder = None,
     realtime: Realtime = False,
+    composition: Composition = '',
 ) -> None:
     """The paper's 3-DOF experiment, live: one plant, three identifiers, three controllers, a bag, a report."""
-    _run('paper_3dof', settings, folder, realtime)
+    _run('paper_3dof', settings, folder, realtime, composition)
 
 
 def run(
@@ -37,6 +47,7 @@ def run(
     settings: Settings = None,
     folder: Folder = None,
     realtime: Realtime = False,
+    composition: Composition = '',
 ) -> None:
     """Run a scenario as a live graph of processes, record it to a bag, and report.
 
@@ -44,10 +55,12 @@ def run(
 
     Exit code 3: the run is no result (no trusted model, no voltage under control, more than 1 % late).
     """
-    _run(scenario, settings, folder, realtime)
+    _run(scenario, settings, folder, realtime, composition)
 
 
-def _run(name: str, settings: list[str] | None, folder: Path | None, realtime: bool) -> None:
+def _run(
+    name: str, settings: list[str] | None, folder: Path | None, realtime: bool, composition: str
+) -> None:
     from satvib_experiment.recording.bag_reader import read_recording
     from satvib_experiment.recording.run_folder import free_run_folder, write_scenario
     from satvib_experiment.report.build import write_report
@@ -73,6 +86,7 @@ def _run(name: str, settings: list[str] | None, folder: Path | None, realtime: b
             realtime=realtime,
             record=True,
             progress=lambda p: view.update(p.phase, p.time, p.attenuation),
+            composition=composition,
         )
     write_scenario(scenario, target)
     if not outcome.success:

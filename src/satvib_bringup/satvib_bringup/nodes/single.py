@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""All nodes of a scenario in one process, for launch files and `ros2 run`.
+
+    ros2 run satvib_bringup single quick_3dof --set seed=7 --bag my_bag
+
+`satvib run --composition single` is the same and makes the report too.
+"""
+
+import argparse
+import sys
+import threading
+from pathlib import Path
+
+from satvib_common.errors import RunError, SatvibError
+from satvib_experiment.scenario.scenario import load_scenario
+
+from satvib_bringup.live.graph import graph_of
+from satvib_bringup.live.run import interruptible
+from satvib_bringup.live.single import SingleRun
+from satvib_bringup.live.workspace import use_profiles
+
+
+def main() -> None:
+    """Run the graph; exit codes are those of any node."""
+    parser = argparse.ArgumentParser(prog='single', description=(__doc__ or '').splitlines()[0])
+    parser.add_argument('scenario')
+    parser.add_argument('--set', action='append', default=[], metavar='KEY=VALUE')
+    parser.add_argument('--realtime', action='store_true')
+    parser.add_argument('--bag', type=Path)
+    # what launch adds is for nodes that are alone in their process
+    given, _ = parser.parse_known_args()
+    try:
+        scenario = load_scenario(given.scenario, given.set)
+        graph = graph_of(scenario, given.realtime, given.bag, 'single')
+        use_profiles()
+        with SingleRun(graph) as run, interruptible(threading.Event()) as interrupted:
+            run.start()
+            run.run(interrupted, None)
+    except (SatvibError, RunError) as error:
+        sys.stderr.write(f'single: {error}\n')
+        sys.exit(2 if isinstance(error, SatvibError) else getattr(error, 'code', 1))
+
+
+if __name__ == '__main__':
+    main()

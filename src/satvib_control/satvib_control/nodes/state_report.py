@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a controller says besides its voltages: states, and how far it is; nothing is filled in for nobody."""
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from satvib_common.ros.convert import fill, nanoseconds
+
+from satvib_control.core.output import ControllerOutput
+from satvib_msgs.msg import ControllerState, StrutProgress
+
+_PROGRESS = 0.05  # s of wall time
+
+Index = tuple[int, ...]
+
+
+class StateReport:
+    """The messages of the struts of one controller, refilled.
+
+    Args:
+        places: of the struts in the arrays of the core.
+        outs: for each, the publisher of its state and that of its progress.
+        law: name.
+        every: samples between two states; a change of phase, fault or reason goes out in any case.
+    """
+
+    def __init__(
+        self, places: Sequence[Index], outs: Sequence[tuple[Any, Any]], law: str, every: int
+    ) -> None:
+        self._places, self._outs, self._every = places, outs, every
+        self._states = [ControllerState(law=law) for _ in places]
+        self._progress = StrutProgress()
+        self._shown: list[object] = [None] * len(places)
+        self._progress_at = 0.0
+        self._last_stamp: int | None = None
+
+    def publish(self, output: ControllerOutput, samples: Sequence[Any], start: float) -> float:
+        """Publish what is due of a sample that was begun at `start` of the performance counter; gives the s since."""
+        now = time.perf_counter()
+        stamp = nanoseconds(samples[0].header.stamp)
+        step = 0.0 if self._last_stamp is None else (stamp - self._last_stamp) * 1e-9
+        self._last_stamp = stamp
+        for i, (place, sample) in enumerate(zip(self._places, samples, strict=True)):
+            out = self._outs[i][0]
+            if out.is_read() and self._is_due(i, output, place):
+                s = self._states[i]
+                s.header = sample.header
+                fill(s, output.fields(place))
+                s.time_step, s.compute_time = step, now - start
+                out.publish(s)
+        if now - self._progress_at >= _PROGRESS:
+            self._progress_at = now
+            self._show_progress(output, samples)
+        return now - start
+
+    def _is_due(self, i: int, output: ControllerOutput, place: Index) -> bool:
+        if self._every == 1:
+            return True
+        news = (output.phase, bool(output.fault[place]), int(output.reason[place]))
+        due = output.sequence % self._every == 0 or news != self._shown[i]
+        self._shown[i] = news
+        return due
+
+    def _show_progress(self, output: ControllerOutput, samples: Sequence[Any]) -> None:
+        m = self._progress
+        for place, sample, (_, out) in zip(self._places, samples, self._outs, strict=True):
+            if out.is_read():
+                m.header, m.sequence, m.phase = sample.header, output.sequence, int(output.phase)
+                m.upper_rms = float(output.upper_rms[place])
+                out.publish(m)
