@@ -12,6 +12,7 @@ import typer
 from satvib_common.errors import RunError, SatvibError
 
 from satvib_bringup.cli.commands import (
+    bench,
     campaign,
     compare,
     identify,
@@ -43,6 +44,7 @@ app.command('table', short_help='Laws on rigs under disturbances, as tables.')(t
 app.command('campaign', short_help='Run thousands of drawn trials.')(campaign.campaign)
 app.command('tune', short_help='Find gains of the centralized law.')(tune.tune)
 app.command('compare', short_help='Compare control schemes.')(compare.compare)
+app.command('bench', short_help='How fast the live graph is on this machine.')(bench.bench)
 app.command('scenarios')(listing.scenarios)
 app.command('rigs')(listing.rigs)
 

@@ -14,7 +14,8 @@ class Arrivals:
     """Notes arrivals, if a file is given.
 
     Args:
-        path: of the .npy file; empty: nothing is noted.
+        path: of the .npz file: `voltages` (n, 3) strut, sample, s after the sample was published, and
+            `late_samples`; empty: nothing is noted.
     """
 
     def __init__(self, path: str) -> None:
@@ -33,8 +34,11 @@ class Arrivals:
         if self._path and (begin := self._published.get(k)) is not None:
             self._noted.extend((strut_index, k, time.perf_counter() - begin))
 
-    def save(self) -> None:
+    def save(self, late_samples: int) -> None:
         """Write the file.
+
+        Args:
+            late_samples: how many samples went out a period too late.
 
         Raises:
             RunError: it cannot be written.
@@ -43,6 +47,7 @@ class Arrivals:
             return
         try:
             with Path(self._path).open('wb') as sink:
-                np.save(sink, np.array(self._noted).reshape(-1, 3))
+                voltages = np.array(self._noted).reshape(-1, 3)
+                np.savez(sink, voltages=voltages, late_samples=late_samples)
         except OSError as error:
             raise RunError(f'{self._path}: cannot be written: {error.strerror}') from None

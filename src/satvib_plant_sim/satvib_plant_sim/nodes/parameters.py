@@ -54,8 +54,8 @@ class PlantParameters(Schema):
         unit='s', minimum=0.0, maximum=60.0, read_only=True,
     )  # fmt: skip
     arrival_file: str = param(
-        '', 'real time: file for the arrival of every voltage, s after its sample was published, as '
-        '.npy (voltages, 3): strut, sample, arrival; empty: none', read_only=True,
+        '', 'real time: .npz file for the arrivals of the voltages after their samples; empty: none',
+        read_only=True,
     )  # fmt: skip
     wait_for_schedule: bool = param(
         True, 'begin with sample 0 when the schedule is there', read_only=True

@@ -81,7 +81,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
     def deactivate(self) -> None:
         """Publish and write what has been gathered."""
         self.truth.flush()
-        self.arrivals.save()
+        self.arrivals.save(self.overdue)
 
     def stop(self) -> str:
         """Latch 0 V at every strut."""
