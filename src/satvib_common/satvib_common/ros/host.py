@@ -16,7 +16,7 @@ from rclpy.duration import Duration
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.task import Future
 
-from satvib_common.ros.exchange import Exchange
+from satvib_common.ros.exchange import RANKS, Exchange
 from satvib_common.ros.node import DRAIN, SatvibNode
 
 # s, the longest time between two looks at signals
@@ -96,9 +96,10 @@ class Host:
     def end(self) -> None:
         """Work on what has been received, bring all nodes to rest, and wait until others have what they said."""
         self._drain()
-        for node in sorted(self.nodes, key=lambda node: node.rank):
-            if node.active:
-                node.trigger_deactivate()
+        for rank in range(RANKS):
+            for node in self.nodes:
+                if node.rank == rank and node.active:
+                    node.trigger_deactivate()
             if self.exchange is not None:
                 self.exchange.work(time.monotonic() + DRAIN)
         self._acknowledge()
@@ -115,7 +116,8 @@ class Host:
         """Process what has been received, if no source sends any more; a live source would never end."""
         deadline = time.monotonic() + DRAIN
         if self.exchange is not None:
-            self.exchange.work(deadline)
+            # a loop that has been interrupted would go on for ever
+            self.exchange.work(time.monotonic() + _AMONG_THEMSELVES)
         while all(node.exit_code == 0 for node in self.nodes):
             working = [node for node in self.nodes if node.active]
             if not working or any(node.sources_left() for node in working):
@@ -123,7 +125,7 @@ class Host:
             before = sum(node.handled for node in working)
             self._executor.spin_until_future_complete(Future(), timeout_sec=0.02)
             if self.exchange is not None:
-                self.exchange.work(deadline)
+                self.exchange.work(time.monotonic() + _AMONG_THEMSELVES)
             if sum(node.handled for node in working) == before or time.monotonic() > deadline:
                 return
 

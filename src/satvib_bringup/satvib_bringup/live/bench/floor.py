@@ -15,7 +15,7 @@ from satvib_bringup.live.bench.case import Case, Figures
 from satvib_bringup.live.supervisor import Supervisor
 from satvib_bringup.live.workspace import graph_environment
 
-_MODULE = 'satvib_bringup.live.bench.floor_node'
+_MODULE = 'satvib_bringup.live.bench.floor_process'
 _PATIENCE = 90.0  # s, besides the length of the run
 _WARM = 0.5  # s that do not count
 
