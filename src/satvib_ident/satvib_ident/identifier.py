@@ -29,6 +29,7 @@ from satvib_ident.estimators.factory import make_estimator, make_regressor
 from satvib_ident.models.iir_model import IirModel
 from satvib_ident.models.polynomials import pole_modulus
 from satvib_ident.parameters import IdentifierParameters
+from satvib_ident.signal_units import SignalUnits
 from satvib_ident.trust.checks import Trust, judge
 from satvib_ident.trust.measures import RecentSignal
 from satvib_ident.trust.model_error import ModelError
@@ -134,6 +135,8 @@ class IdentifierCore:
         self.estimator = make_estimator(parameters, shape)
         self.calibration = BiasCalibration(shape)
         self.tracker = SequenceTracker()
+        self._units = SignalUnits(shape)
+        self._may_scale = not parameters.initial_theta  # a start is in m/s^2 and V
         self._phases = frozenset(Phase[name] for name in parameters.estimate_in)
         self._response = ResponseDeviation(
             (parameters.trust_band[0], parameters.trust_band[1]),
@@ -166,6 +169,7 @@ class IdentifierCore:
     def _begin(self) -> None:
         self._phase = Phase.STANDBY
         self._bias = np.zeros(self.shape)
+        self._units.reset()
         self._know_noise()
         self._silent = np.full(self.shape, np.inf)
         self._last: Identification | None = None
@@ -224,7 +228,13 @@ class IdentifierCore:
             upper = np.where(at_end, np.nan, upper)
         self._unknown = self._unknown + ~np.isfinite(voltage)
         self._calibrate(phase, upper)
-        w, target, full = self.regressor.step(upper, voltage, self._bias)
+        if not self._units.settled and phase in self._phases and self._may_scale:
+            self._rescale(self._units.watch(upper - self._bias, voltage))
+        bias = self._bias
+        if not self._units.are_one:
+            bias, upper = bias / self._units.output, upper / self._units.output
+            voltage = voltage / self._units.input
+        w, target, full = self.regressor.step(upper, voltage, bias)
         if not full.all():
             self.estimator.interrupt(~full)
             for recent in (self._residual, self._input, self._model_error):
@@ -242,10 +252,24 @@ class IdentifierCore:
         used = self.estimator.used
         if used.any():
             self._input.push(voltage, used)
-            self._model_error.push(upper - self._bias, voltage, used)
+            self._model_error.push(upper - bias, voltage, used)
             self._residual.push(np.where(used, error, 0.0), used)
-        self._last = self._report(k, np.where(used, error, np.nan), active)
+        error = np.where(used, error, np.nan)
+        self._last = self._report(
+            k, error if self._units.are_one else error * self._units.output, active
+        )
         return self._last
+
+    def _rescale(self, changed: Mask) -> None:
+        """Begin again with other units where they have changed (shape)."""
+        if not changed.any():
+            return
+        self.regressor.clear(changed)
+        self.estimator.reset(changed)
+        self.estimator.interrupt(changed)
+        for recent in (self._residual, self._input, self._model_error):
+            recent.clear(changed)
+        self._know_noise()
 
     def reset(self) -> None:
         """Forget everything except the counts."""
@@ -272,6 +296,7 @@ class IdentifierCore:
         count = self.calibration.count
         known = (count >= ENOUGH) & self.parameters.floor_from_noise
         deviation = np.where(known, self.calibration.standard_deviation, 0.0)
+        deviation = deviation / self._units.output
         freedom = np.maximum(count, ENOUGH) - 1.0
         upper = deviation * np.sqrt(freedom / chi_squared_above(freedom, CONFIDENCE))
         floor = upper * np.sqrt(chi_squared_above(self.parameters.poles, BY_CHANCE))
@@ -295,7 +320,11 @@ class IdentifierCore:
             fresh, known = self._measure(theta, covariance), self._measured
             # an item that did not use this sample keeps what it had, whatever the other items do
             self._measured = fresh if known is None else known.renewed(fresh, active)
-        v = self._measured
+        v, noise = self._measured, estimator.noise_variance
+        if not self._units.are_one:
+            units = self._units.of_parameters(p.poles, p.count)
+            theta, covariance = theta * units, covariance * units[..., None] * units[..., None, :]
+            noise = noise * self._units.output**2
         diagonal = np.diagonal(covariance, axis1=-2, axis2=-1)
         return Identification(
             sequence=k,
@@ -306,7 +335,7 @@ class IdentifierCore:
             covariance=covariance,
             standard_deviation=np.sqrt(diagonal),
             prediction_error=error,
-            noise_variance=estimator.noise_variance,
+            noise_variance=noise,
             bias=self._bias,
             updates=estimator.updates,
             excitation_order=v.excitation_order,
