@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from satvib_common.arrays import Array, Mask
+from satvib_common.kernels.compile import kernel
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,32 @@ def towards_zero(voltage: Array, step: Array | float) -> Array:
     """Move voltages (shape, V) by a step (shape or one for all, V, at least 0) towards 0 V, and not beyond it."""
     # + 0.0 turns a negative zero into zero
     return np.copysign(np.maximum(np.abs(voltage) - step, 0.0), voltage) + 0.0
+
+
+@kernel(
+    'void(f8, f8, f8, f8, b1, b1, f8[:], b1[:], b1[:])',
+    '(),(),(),(),(),()->(),(),()',
+)
+def guard_step(demand, voltage, limit, step, stop, fault, out, saturated, latched):
+    """Guard one demand.
+
+    Args:
+        demand: V.
+        voltage: V, in force.
+        limit, step: V, largest magnitude, and largest change.
+        stop, fault: latch 0 V, and 0 V is latched.
+        out, saturated, latched: results, see `Guarded`.
+    """
+    finite = abs(demand) < np.inf
+    failed = fault or stop or not finite
+    wanted = demand if finite else 0.0
+    slewed = min(max(wanted, voltage - step), voltage + step)
+    limited = min(max(slewed, -limit), limit)
+    # + 0.0 turns a negative zero into zero, so that 0 V has one representation
+    applied = (0.0 if failed else limited) + 0.0
+    out[0] = applied
+    saturated[0] = applied != wanted and not failed
+    latched[0] = failed
 
 
 class VoltageGuard:
@@ -57,14 +84,10 @@ class VoltageGuard:
 
     def apply(self, demand: Array, stop: Mask | bool = False) -> Guarded:
         """Limit a demand (shape, V); `stop` (shape) latches 0 V."""
-        finite = np.isfinite(demand)
-        self.fault = self.fault | ~finite | stop
-        wanted = np.where(finite, demand, 0.0)
-        slewed = np.minimum(np.maximum(wanted, self.voltage - self.step), self.voltage + self.step)
-        limited = np.minimum(np.maximum(slewed, -self.limit), self.limit)
-        # + 0.0 turns a negative zero into zero, so that 0 V has one representation
-        self.voltage = np.where(self.fault, 0.0, limited) + 0.0
-        return Guarded(self.voltage, (self.voltage != wanted) & ~self.fault, self.fault)
+        self.voltage, saturated, self.fault = guard_step(
+            demand, self.voltage, self.limit, self.step, stop, self.fault
+        )
+        return Guarded(self.voltage, saturated, self.fault)
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Release latched faults where `mask` (shape) holds; the output restarts from 0 V there."""

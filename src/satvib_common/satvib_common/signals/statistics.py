@@ -5,6 +5,15 @@
 import numpy as np
 
 from satvib_common.arrays import Array
+from satvib_common.kernels.compile import kernel
+
+
+@kernel('void(f8, f8, f8, f8, f8[:], f8[:], f8[:])', '(),(),(),()->(),(),()')
+def rms_step(value, oldest, total, count, square, sum_, rms):
+    """Exchange the oldest square in a sum of `count` of them for that of a value; gives square, sum and RMS."""
+    square[0] = value * value if abs(value) < np.inf else 0.0
+    sum_[0] = total - oldest + square[0]
+    rms[0] = np.sqrt(max(sum_[0], 0.0) / count)
 
 
 class MovingRms:
@@ -23,14 +32,14 @@ class MovingRms:
 
     def add(self, value: Array) -> Array:
         """Take one sample (shape) and give the RMS so far (shape). A value that is not finite counts as 0."""
-        square = np.where(np.isfinite(value), value * value, 0.0)
         window = len(self._squares)
-        self._sum = self._sum - self._squares[self._next] + square
+        self._count = min(self._count + 1, window)
+        square, self._sum, rms = rms_step(value, self._squares[self._next], self._sum, self._count)
         self._squares[self._next] = square
         self._next = (self._next + 1) % window
-        self._count = min(self._count + 1, window)
         if self._next == 0:  # once a window, add up again without the rounding errors
             self._sum = np.zeros_like(self._sum)
             for row in self._squares:
                 self._sum = self._sum + row
-        return np.sqrt(np.maximum(self._sum, 0.0) / self._count)
+            rms = np.sqrt(np.maximum(self._sum, 0.0) / self._count)
+        return np.asarray(rms)

@@ -17,7 +17,7 @@ waits at 0 V for as long as that takes. If it does not, the law is the likely ca
 """
 
 import numpy as np
-from satvib_common.arrays import Array, Mask
+from satvib_common.arrays import Array, Mask, every, some
 
 SHARE_TIME = 1.0  # s
 BACK = 0.2  # of the limit
@@ -69,7 +69,7 @@ class ClippingWatch:
         Returns:
             (shape) share of the law's voltage to let through; where the law must begin at rest; where it has failed.
         """
-        if not (self.busy or clipped.any()):
+        if not (self.busy or some(clipped)):
             return self._scale, self.paused, self.paused
         if self._together:
             clipped = np.broadcast_to(np.any(clipped, axis=-1, keepdims=True), self.shape)
@@ -89,5 +89,5 @@ class ClippingWatch:
         change = np.where(self.paused, -dt / FADE_TIME, dt / RETURN_TIME)
         self._scale = np.minimum(np.maximum(self._scale + change, 0.0), 1.0)
         quiet = (self._share == 0.0) & (self._scale == 1.0) & (self._strikes == 0.0)
-        self.busy = not bool(quiet.all())
+        self.busy = not every(quiet)
         return self._scale, ends, self._strikes >= STRIKES

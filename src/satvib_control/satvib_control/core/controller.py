@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from satvib_common.arrays import Array, Integers, Mask
+from satvib_common.arrays import Array, Integers, Mask, every, some
 from satvib_common.guard import Guarded, VoltageGuard
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.sequence import Arrival, SequenceTracker
@@ -50,6 +50,9 @@ UNCAUSAL = reason('the identified model has no delay, so no law can use it: not 
 
 
 __all__ = ['ControllerCore', 'ControllerOutput']
+
+
+NONE = int(Verdict.NONE)
 
 
 class _Measured(NamedTuple):
@@ -214,8 +217,8 @@ class ControllerCore:
         )
         free, begins, failed = self.clipping.step(measured.upper_clipped, phase == Phase.CONTROL)
         scale = scale * free
-        begins = begins | (verdict != Verdict.NONE)
-        if begins.any():
+        begins = begins | (verdict != NONE)
+        if some(begins):
             self.law.reset(begins)
         demand = self.law.step(self._law_input(k, measured), phase)
         wish = self._wish(demand, scale, k, plan)
@@ -250,7 +253,7 @@ class ControllerCore:
     ) -> '_Measured':
         """Learn the biases in CALIBRATE, and take them away."""
         valid = np.isfinite(upper)
-        whole = bool(valid.all())
+        whole = every(valid)
         if phase == Phase.CALIBRATE:
             if self._checked_rest and self._faults.biasless.any():
                 self._calibrate_again()
@@ -266,7 +269,7 @@ class ControllerCore:
         if not whole:
             upper = np.where(valid, upper, 0.0)
         lower = lower - self.calibration_lower.mean
-        if not np.isfinite(lower).all():
+        if not every(np.isfinite(lower)):
             lower = np.where(np.isfinite(lower), lower, np.nan)
         return _Measured(upper, lower, valid, upper_clipped & valid, lower_clipped, whole)
 
@@ -328,12 +331,12 @@ class ControllerCore:
     ) -> tuple[Guarded, Integers]:
         """Let the wish through the guard; give what came out and the reasons (shape)."""
         valid, whole = measured.valid, measured.whole
-        alarmed = self._faults.alarmed or bool(verdict.any() or failed.any()) or not whole
+        alarmed = self._faults.alarmed or some(verdict != NONE) or some(failed) or not whole
         stop = self._causes(valid, verdict, failed) if alarmed else None
         demand = wish.demand if whole else np.where(valid, wish.demand, 0.0)
         guarded = self.guard.apply(demand, False if stop is None else stop != 0)
         self._saturated = guarded.saturated
-        if alarmed or guarded.fault.any():
+        if alarmed or some(guarded.fault):
             return guarded, self._faults.explain(guarded, valid, wish.reason, stop)
         return guarded, wish.reason
 

@@ -391,9 +391,10 @@ def is_off(memory: Array) -> Mask:
     return np.asarray((state == State.PAUSING) | (state == State.WAITING))
 
 
-def is_back(memory: Array) -> Mask:
+@kernel('void(f8[:], b1[:])', '(s)->()')
+def is_back(memory, back):
     """Where (shape) the law acts as if nothing had been: no pause, no strike."""
-    return np.asarray((memory[..., Slot.STATE] < State.PAUSING) & ~is_reduced(memory))
+    back[0] = int(memory[Slot.STATE]) < State.PAUSING and not memory[Slot.SHARE] < 1.0
 
 
 def is_reduced(memory: Array) -> Mask:

@@ -30,7 +30,7 @@ strike back.
 """
 
 import numpy as np
-from satvib_common.arrays import Array, Integers, Mask
+from satvib_common.arrays import Array, Integers, Mask, every
 
 from satvib_control.core.parameters import CoreParameters
 from satvib_control.core.vibration_step import (
@@ -83,7 +83,7 @@ class VibrationWatch:
         share, verdict = watch_step(
             y, applied / self.limit, float(acting), float(silent), self._settings, self._memory
         )
-        self.busy = not bool(is_back(self._memory).all())
+        self.busy = not every(is_back(self._memory))
         return np.asarray(share), np.asarray(verdict).astype(np.int64)
 
     def listening(self) -> Mask:

@@ -8,7 +8,7 @@
 from collections.abc import Iterable
 
 import numpy as np
-from satvib_common.arrays import Integers
+from satvib_common.arrays import Integers, Mask
 
 _TEXTS: list[str] = ['']
 _CODES: dict[str, int] = {'': 0}
@@ -32,3 +32,20 @@ def reasons(texts: str | Iterable[str], shape: tuple[int, ...]) -> Integers:
     array = np.asarray(texts, dtype=object)
     flat = [reason(str(text)) for text in array.ravel()]
     return np.broadcast_to(np.array(flat, dtype=np.int64).reshape(array.shape), shape).copy()
+
+
+def last_of(why: Integers, *cases: tuple[Mask, int]) -> Integers:
+    """Give the code of the last case that holds, `why` where none does.
+
+    Args:
+        why: shape, codes; or one for all.
+        cases: (shape) where a code holds, and the code; the most important one last.
+    """
+    if not cases[0][0].ndim:  # one strut: every `where` would cost more than all of these
+        for case, code in cases:
+            if case:
+                why = np.int64(code)  # type: ignore[assignment]
+        return np.asarray(why)
+    for case, code in cases:
+        why = np.where(case, code, why)
+    return why

@@ -36,7 +36,7 @@ from satvib_control.laws.feedforward.reaction import ReferenceProtection, loop_g
 from satvib_control.laws.feedforward.regressor import FilteredReference
 from satvib_control.laws.feedforward.regressor_kernel import Contents
 from satvib_control.laws.feedforward.spikes import SpikeLimit
-from satvib_control.laws.reasons import reason
+from satvib_control.laws.reasons import last_of, reason
 
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
@@ -75,6 +75,7 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
         self, parameters: FeedforwardParameters, dt: float, shape: tuple[int, ...] = ()
     ) -> None:
         super().__init__(parameters, dt, shape)
+        self._no_reason = np.zeros(shape, dtype=np.int64)
         p = parameters
         self.protection = ReferenceProtection(round(p.feedforward_protection_time / dt), shape)
         poles = p.feedforward_poles if p.feedforward_method == 'filtered_u' else 0
@@ -162,17 +163,14 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
 
     def _why(self, backoff: Integers, loud: Mask, saturated: Mask, clipped: Mask) -> Integers:
         """Code of the reason; of several the last in this order."""
-        why: Integers = np.where(loud, np.where(saturated, SATURATED, 0), SMALL)
-        why = np.where(clipped, CLIPPED, why)
         listening = (backoff == BackoffState.LISTEN) | (backoff == BackoffState.RING_DOWN)
         backing = (backoff == BackoffState.FADE) | (backoff == BackoffState.RESTART)
-        for case, code in (
+        return last_of(
+            self._no_reason, (saturated, SATURATED), (~loud, SMALL), (clipped, CLIPPED),
             (listening, LISTENING), (backing, BACKED_OFF),
             (self.reference.filling > 0.0, FILLING), (self.reference.missing, MISSING),
             (backoff == BackoffState.GIVEN_UP, GAVE_UP), (~self.reference.known, NO_MODEL),
-        ):  # fmt: skip
-            why = np.where(case, code, why)
-        return why
+        )  # fmt: skip
 
     def _adapt(self, error: Array, active: Mask) -> None:
         """Move the weights."""

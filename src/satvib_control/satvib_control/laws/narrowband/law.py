@@ -68,7 +68,7 @@ from satvib_control.laws.narrowband.memory import (
 from satvib_control.laws.narrowband.parameters import NarrowbandParameters
 from satvib_control.laws.narrowband.search import grid_size
 from satvib_control.laws.narrowband.step import narrowband_replay, narrowband_step
-from satvib_control.laws.reasons import reason
+from satvib_control.laws.reasons import last_of, reason
 
 if TYPE_CHECKING:
     from satvib_ident.models.iir_model import IirModel
@@ -94,6 +94,7 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
         self, parameters: NarrowbandParameters, dt: float, shape: tuple[int, ...] = ()
     ) -> None:
         super().__init__(parameters, dt, shape)
+        self._no_reason = np.zeros(shape, dtype=np.int64)
         self._settings = _settings(parameters, dt)
         self._weights = _weights(parameters, dt)
         self._past = np.full((*shape, max(round(PAST / dt), 1), len(Past)), -1.0)
@@ -169,17 +170,15 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
         tracking = shown[..., Shown.TRACKING] > 0.0
         state.adapting = tracking & known
         corrected = self._memory.correction[..., Correction.CORRECTED_AT] > 0.0
-        why = np.zeros(self.shape, dtype=np.int64)
-        for case, code in (  # the most important one last
+        state.reason = last_of(
+            self._no_reason,
             (shown[..., Shown.SLOWED] > 0.0, SLOWED),
             (corrected, CORRECTED),
             (shown[..., Shown.LIMITED] > 0.0, LIMITED),
             (shown[..., Shown.HELD] > 0.0, HELD),
             (~tracking, NOTHING),
             (~known, NO_MODEL),
-        ):
-            why = np.where(case, code, why)
-        state.reason = why
+        )
 
     def tones(self) -> tuple[Array, Array]:
         """Give frequency (Hz) and amplitude (m/s^2) of the tracked tones, (*shape, tones); NaN where there is none."""
