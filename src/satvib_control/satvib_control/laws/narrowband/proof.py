@@ -23,7 +23,7 @@ a mode the law lost all of its 2 dB.
 
 import math
 
-from numba import njit
+from satvib_common.kernels.deferred import njit
 
 from satvib_control.laws.narrowband.memory import Backoff, Setting, Tone, Tracking
 
