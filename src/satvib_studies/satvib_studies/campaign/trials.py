@@ -14,10 +14,9 @@ from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
-from satvib_common.needs import check_needs
 from satvib_common.schema import LARGEST_INTEGER
 from satvib_common.settings_text import RIG_CHANGES, change_setting, setting_text
-from satvib_experiment.scenario.memory import STEP_TIME
+from satvib_experiment.scenario.memory import STEP_TIME, check_needs
 from satvib_experiment.scenario.scenario import Scenario, check_scenario, load_scenario
 
 from satvib_studies.campaign.drawing.sampling import draw

@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.files.yaml_file import load_yaml
-from satvib_common.needs import check_needs
 from satvib_common.schema import Schema, param, shown
 from satvib_common.settings_text import change_settings
-from satvib_experiment.scenario.memory import STEP_TIME
+from satvib_experiment.scenario.memory import STEP_TIME, check_needs
 from satvib_experiment.scenario.scenario import Scenario, check_scenario
 from satvib_plant_sim.plant.failures import Failure
 from satvib_plant_sim.rig.random_rig import random_parts

@@ -14,9 +14,9 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.levels import rms_with_mean
-from satvib_common.needs import check_needs
 from satvib_common.phases import Phase
 from satvib_common.schema import Schema, param
+from satvib_experiment.scenario.memory import check_needs
 from satvib_ident.excitation.factory import make_excitation
 from satvib_ident.excitation.signal import Excitation
 from satvib_ident.identifier import IdentifierCore

@@ -29,10 +29,10 @@ from typing import Any
 import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
-from satvib_common.needs import check_needs
 from satvib_common.phases import Phase
 from satvib_common.schema import Schema, param
 from satvib_experiment.recording.recording import Recording
+from satvib_experiment.scenario.memory import check_needs
 from satvib_experiment.scenario.scenario import Scenario, check_scenario
 from satvib_experiment.scenario.settings_file import load_settings, names_in, settings_path
 

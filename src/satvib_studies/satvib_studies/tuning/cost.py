@@ -22,10 +22,10 @@ from dataclasses import dataclass
 import numpy as np
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
-from satvib_common.needs import check_needs
 from satvib_common.schema import Schema, param
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_common.struts.motions import mode_matrix, strut_matrix
+from satvib_experiment.scenario.memory import check_needs
 from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.physics.noise import noise_floor
 from satvib_plant_sim.responses.all_struts import rig_response

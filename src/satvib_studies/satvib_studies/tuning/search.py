@@ -22,8 +22,8 @@ from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.files.yaml_file import load_yaml, parse_yaml
 from satvib_common.levels import decibel
-from satvib_common.needs import check_needs
 from satvib_common.schema import Schema, param
+from satvib_experiment.scenario.memory import check_needs
 from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.disturbance.factory import make_disturbance
 from satvib_plant_sim.rig.rig import Rig
