@@ -20,20 +20,23 @@ from rclpy.serialization import serialize_message
 
 RANKS = 3
 _SLICE = 0.002  # s, for the first rank, before the others have their turn
+_PLAIN = frozenset({int, float, bool, str})
 _BEHIND = 200  # deliveries; more than that do not wait for the first rank any longer
 
 
 def copy_of(message: Any) -> Any:
     """Copy a message with all that it holds."""
-    made = object.__new__(type(message))
-    for slot in message.__slots__:
+    kind = type(message)
+    made = object.__new__(kind)
+    for slot in kind.__slots__:
         value = getattr(message, slot)
-        if hasattr(value, '__slots__'):
-            value = copy_of(value)
-        elif isinstance(value, array):
-            value = value[:]
-        elif isinstance(value, list):
-            value = [copy_of(v) if hasattr(v, '__slots__') else v for v in value]
+        if type(value) not in _PLAIN:
+            if hasattr(value, '__slots__'):
+                value = copy_of(value)
+            elif isinstance(value, array):
+                value = value[:]
+            elif isinstance(value, list):
+                value = [copy_of(v) if hasattr(v, '__slots__') else v for v in value]
         setattr(made, slot, value)
     return made
 

@@ -10,6 +10,9 @@ import pytest
 pytest.importorskip('rclpy')
 messages = pytest.importorskip('satvib_msgs.msg', exc_type=ImportError)
 
+# the message generator that comes with ROS uses modules that Python 3.11 deprecates
+pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
+
 
 @pytest.fixture
 def exchange():

@@ -43,7 +43,7 @@ def bench(
                     progress(f'{case.name}, {name}, round {number + 1} of {rounds}')
                 with tempfile.TemporaryDirectory(prefix='satvib-bench-') as place:
                     runs.setdefault(name, []).append(run(case, composition, Path(place) / 'run'))
-        found.append(_summary(case, runs))
+        found.append(summary(case, runs))
     return {'machine': machine(), 'rounds': rounds, 'cases': found}
 
 
@@ -62,7 +62,8 @@ def _turn(case: Case) -> list[tuple[str, str, Runner]]:
     return floors + [('satvib', c, run_satvib) for c in case.compositions]
 
 
-def _summary(case: Case, runs: dict[str, list[Figures]]) -> dict[str, Any]:
+def summary(case: Case, runs: dict[str, list[Figures]]) -> dict[str, Any]:
+    """Medians, spans and ratios of the runs of a case, by graph."""
     floor, _ = medians(runs[f'bare {case.floors[0]}'])
     graphs = {}
     for name, figures in runs.items():
