@@ -23,10 +23,11 @@ def tidy_memory() -> None:
 
 
 def set_niceness(niceness: int) -> None:
-    """Let others go first: 0 to 19, of this process and of the threads that it will start. It needs no right."""
+    """Let others go first: 0 to 19, of all threads of this process. It needs no right."""
     if niceness <= 0:
         return
-    os.setpriority(os.PRIO_PROCESS, 0, niceness)
+    for thread in _threads():
+        os.setpriority(os.PRIO_PROCESS, thread, niceness)
     # where the kernel groups processes by session, niceness counts within the group only, and the group has its own
     if os.getsid(0) == os.getpid():
         with contextlib.suppress(OSError):

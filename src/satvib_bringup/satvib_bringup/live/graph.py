@@ -141,7 +141,7 @@ def graph_of(
     custom = custom_data(scenario, rig, realtime)
     nodes: list[NodeSpec] = []
     if bag is not None:
-        nodes.append(_recorder(bag, struts, custom))
+        nodes.append(_recorder(bag, struts, custom, not realtime))
     central = scenario.scheme == 'centralized'
     if central:
         nodes.append(
@@ -192,9 +192,12 @@ def graph_of(
     )
 
 
-def _recorder(bag: Path, struts: tuple[str, ...], custom: Mapping[str, str]) -> NodeSpec:
+def _recorder(
+    bag: Path, struts: tuple[str, ...], custom: Mapping[str, str], lockstep: bool
+) -> NodeSpec:
     parameters = {
         'folder': str(bag),
+        'lockstep': lockstep,
         'struts': list(struts),
         'report': str(bag.with_name(REPORT)),
         'custom_keys': list(custom),

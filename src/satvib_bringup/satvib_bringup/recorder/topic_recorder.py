@@ -35,6 +35,11 @@ class RecorderParameters(Schema):
     depth: int = param(
         20000, 'messages per topic that may wait for this node', minimum=1, read_only=True
     )
+    lockstep: bool = param(
+        False,
+        'nothing is in a hurry, so this process does not step back for others',
+        read_only=True,
+    )
     report: str = param('', 'JSON file for what was written and lost; empty: none', read_only=True)
     custom_keys: tuple[str, ...] = param((), 'names of texts stored in the bag', read_only=True)
     custom_values: tuple[str, ...] = param((), 'those texts', read_only=True)

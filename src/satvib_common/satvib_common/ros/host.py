@@ -24,7 +24,7 @@ _SLICE = 0.1
 # s, the longest time in which nodes of one process work on each other's messages alone
 _AMONG_THEMSELVES = 0.02
 # s, for messages on their way when the process ends
-_ACKNOWLEDGE = 1.0
+_ACKNOWLEDGE = 3.0
 
 
 def make_executor(context: Context | None = None) -> Executor:

@@ -27,7 +27,7 @@ from satvib_common.ros.place import placed
 
 # s, how long anything may take after the signal before the process ends regardless
 _LAST_RESORT = DRAIN + 5.0
-# of a process by the first rank of its nodes; plant and controllers go first
+# in real time, of a process by the first rank of its nodes; plant and controllers go first
 NICENESS = (0, 5, 10)
 
 Make = Callable[[], SatvibNode[Any]]
@@ -55,8 +55,6 @@ def run_nodes(makes: Sequence[Make], args: Sequence[str] | None = None) -> NoRet
 
 def _until_the_end(makes: Sequence[Make], args: Sequence[str] | None) -> int:
     signals = _Signals()
-    # before the middleware starts its threads, which inherit it
-    set_niceness(NICENESS[min(getattr(make, 'rank', 0) for make in makes)])
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     exchange = Exchange() if len(makes) > 1 else None
     nodes: list[SatvibNode[Any]] = []
@@ -82,6 +80,8 @@ def _run(host: Host) -> int:
     host.start()
     first = min(host.nodes, key=lambda node: node.rank)
     warn = first.get_logger().warning
+    if not getattr(first.parameters, 'lockstep', False):  # there nothing is in a hurry
+        set_niceness(NICENESS[first.rank])
     set_processor(getattr(first.parameters, 'cpu', -1), warn)
     set_priority(getattr(first.parameters, 'priority', 0), warn)
     settle_memory()

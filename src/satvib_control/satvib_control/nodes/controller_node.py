@@ -23,6 +23,7 @@ from satvib_common.sequence import Arrival
 
 from satvib_control.core.controller import ControllerCore, ControllerOutput
 from satvib_control.core.parameters import state_every
+from satvib_control.core.rehearsal import rehearse
 from satvib_control.nodes.state_report import StateReport
 from satvib_control.parameters import ControllerParameters
 from satvib_msgs.msg import (
@@ -51,6 +52,8 @@ class ControllerNode(SatvibNode[P]):
             core: gives the voltages.
             struts: for each, its place in the arrays of the core, and the prefix of the names of its topics.
         """
+        if not self.parameters.lockstep:
+            rehearse(type(core)(self.parameters, core.shape))
         self.core, self.places = core, [place for place, _ in struts]
         self.plan: PhasePlan | None = None
         self.gate = ScheduleGate(

@@ -23,6 +23,7 @@ from satvib_ident.identifier import Identification, IdentifierCore
 from satvib_ident.model_times import ModelTimes
 from satvib_ident.nodes.voltage_pairing import VoltagePairing
 from satvib_ident.parameters import IdentifierParameters
+from satvib_ident.rehearsal import rehearse
 from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration, VcaVoltage
 
 _GATHER = 0.005  # s
@@ -41,6 +42,8 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
     def configure(self) -> None:
         """Build the core and the message that is refilled."""
         p = self.parameters
+        if not p.lockstep:
+            rehearse(IdentifierCore(p))
         self.core = IdentifierCore(p)
         self.times: ModelTimes | None = None
         self.gate = ScheduleGate(self, self.shared('schedule'), p.sample_rate, self._run_is_on)

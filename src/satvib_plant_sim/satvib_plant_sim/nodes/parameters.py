@@ -5,6 +5,7 @@
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.files.yaml_file import parse_yaml
 from satvib_common.schema import Schema, param
@@ -89,7 +90,14 @@ class PlantParameters(Schema):
         return tuple(Failure.from_mapping(d, f'failures[{i}]') for i, d in enumerate(data))
 
     def make_plant(self) -> AnyPlant | FailingPlant:
-        """Build the plant with its failures."""
-        return make_failing_plant(
-            self.load_rig(), self.make_disturbance(), self.seed, self.make_failures()
-        )
+        """Build the plant with its failures.
+
+        For real time another one is run first and thrown away, so that no sample waits for code to be loaded.
+        """
+        setting = (self.load_rig(), self.make_disturbance(), self.seed, self.make_failures())
+        if not self.lockstep:
+            other = make_failing_plant(*setting)
+            for _ in range(3):
+                other.sample()
+                other.advance(np.zeros(other.struts), np.zeros(other.struts))
+        return make_failing_plant(*setting)

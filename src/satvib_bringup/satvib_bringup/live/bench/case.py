@@ -101,7 +101,7 @@ class Figures:
 def quick_cases() -> list[Case]:
     """Three struts, lockstep and 200 Hz; within two minutes."""
     return [
-        Case(3, 200.0, False, ('separate',), COMPOSITIONS, 6.0),
+        Case(3, 200.0, False, ('separate',), COMPOSITIONS, 12.0),
         Case(3, 200.0, True, ('separate',), COMPOSITIONS, 6.0),
     ]
 

@@ -18,6 +18,7 @@ from satvib_bringup.live.workspace import graph_environment
 _MODULE = 'satvib_bringup.live.bench.floor_process'
 _PATIENCE = 90.0  # s, besides the length of the run
 _WARM = 0.5  # s that do not count
+_LOCKSTEP = 5.0  # s
 
 
 def run_floor(case: Case, composition: str, folder: Path) -> Figures:
@@ -44,8 +45,9 @@ def run_floor(case: Case, composition: str, folder: Path) -> Figures:
                 f'{"+".join(plan["roles"])} {plan["struts"][0] if len(plan["struts"]) == 1 else ""}'
             )
             pids[name.strip()] = supervisor.start(name.strip().replace(' ', '.'), _command(plan))
+        seconds = case.seconds if case.realtime else _LOCKSTEP
         source = {
-            'roles': ['source'], 'struts': struts, 'rate': case.rate, 'seconds': case.seconds,
+            'roles': ['source'], 'struts': struts, 'rate': case.rate, 'seconds': seconds,
             'realtime': case.realtime, 'readers': 3, 'pids': pids, 'result': str(result),
         }  # fmt: skip
         supervisor.start('source', _command(source))
