@@ -4,12 +4,13 @@
 
 ./satvib shell
 python benchmarks/changes.py --trials 2000
+python benchmarks/changes.py --trials 2000 --unchanged    # false stops: only the disturbance changes
 """
 
 import argparse
 
 import numpy as np
-from satvib_studies.changes import KINDS, run_changes
+from satvib_studies.changes import KINDS, count_stops, run_changes
 from satvib_studies.changes.runs import RIGS
 
 LAWS = (
@@ -28,7 +29,12 @@ def main() -> None:
     parser.add_argument('--laws', nargs='+', default=list(LAWS))
     parser.add_argument('--kinds', nargs='+', default=list(KINDS), choices=list(KINDS))
     parser.add_argument('--worst', type=int, default=3, help='trials to name for each rig and law')
+    parser.add_argument('--unchanged', action='store_true', help='count false stops')
+    parser.add_argument('--supervisor', action='store_true', help='a supervisor listens')
     options = parser.parse_args()
+    if options.unchanged:
+        count(options)
+        return
     print(
         '| rig | law | trials | loud for over 5 s | longest [s] | loudest [dB] | as a fresh start | fault |'
     )
@@ -38,10 +44,26 @@ def main() -> None:
             show(rig, law, options)
 
 
+def count(options: argparse.Namespace) -> None:
+    numbers = range(options.first, options.first + options.trials)
+    print('| rig | law | trials | stopped for good | which |')
+    print('|---|---|---:|---:|---|')
+    for rig in options.rigs:
+        for law in options.laws:
+            stopped = np.concatenate([
+                count_stops(rig, law, numbers[at : at + BATCH], options.supervisor).any(axis=-1)
+                for at in range(0, len(numbers), BATCH)
+            ])
+            which = ', '.join(str(numbers[i]) for i in np.flatnonzero(stopped))
+            print(f'| {rig} | {law} | {len(stopped)} | {stopped.sum()} | {which} |', flush=True)
+
+
 def show(rig: str, law: str, options: argparse.Namespace) -> None:
     numbers = range(options.first, options.first + options.trials)
     parts = [
-        run_changes(rig, law, numbers[at : at + BATCH], tuple(options.kinds))
+        run_changes(
+            rig, law, numbers[at : at + BATCH], tuple(options.kinds), options.supervisor
+        )
         for at in range(0, len(numbers), BATCH)
     ]
     time = np.concatenate([part.loud_time for part in parts])

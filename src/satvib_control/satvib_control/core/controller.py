@@ -39,11 +39,13 @@ from satvib_control.laws.registry import make_law
 from satvib_control.laws.strut_excitation import StrutSignals
 from satvib_control.model_analysis.transfer import broadcast_model, model_polynomials, stable
 from satvib_control.parameters import ControllerParameters
+from satvib_control.supervision.hold import Hold
 
 # phases in which no strut is excited on purpose
 SILENT = frozenset({Phase.STANDBY, Phase.CALIBRATE})
 LISTENING = reason('0 V: louder than the open loop, listening whether the law is the cause')
 CLIPPED = reason('0 V: the upper sensor clips, so it cannot tell what the law does')
+HELD = reason('0 V: held from outside, other struts are loud')
 REDUCED = reason('the law made the strut louder than its open loop and goes on with less voltage')
 UNSTABLE = reason('the identified model is not stable: not taken')
 UNCAUSAL = reason('the identified model has no delay, so no law can use it: not taken')
@@ -108,6 +110,7 @@ class ControllerCore:
         self.calibration_lower = BiasCalibration(shape)
         self.watch = VibrationWatch(p, self.dt, shape)
         self.clipping = ClippingWatch(p.clipping_limit, self.dt, shape)
+        self._hold = Hold(self.dt, shape)
         self._faults = Faults(shape)
         self._rms = MovingRms(max(round(p.rms_window * p.sample_rate), 1), shape)
         self._missed = 0
@@ -159,9 +162,17 @@ class ControllerCore:
         self.guard.limit = parameters.voltage_limit
         self.law.apply(parameters)
 
-    def stop(self) -> None:
-        """Latch 0 V from the next sample on, until `reset`."""
-        self._faults.stop()
+    def stop(self, mask: Mask | bool = True) -> None:
+        """Latch 0 V from the next sample on where `mask` (shape) holds, until `reset`."""
+        self._faults.stop(mask)
+
+    def hold(self, mask: Mask | bool = True) -> None:
+        """Fade to 0 V where `mask` (shape) holds, until `release`, and for 20 s at most; the law keeps what it knows."""
+        self._hold.begin(mask)
+
+    def release(self, mask: Mask | bool = True) -> None:
+        """Let the law act again where `mask` (shape) holds."""
+        self._hold.end(mask)
 
     def reset(self) -> bool:
         """Release latched faults; the law begins at rest. Biases and the identified model stay.
@@ -216,7 +227,7 @@ class ControllerCore:
             measured.upper, self.guard.voltage, phase == Phase.CONTROL, phase in SILENT
         )
         free, begins, failed = self.clipping.step(measured.upper_clipped, phase == Phase.CONTROL)
-        scale = scale * free
+        scale = scale * free * self._hold.step()
         begins = begins | (verdict != NONE)
         if some(begins):
             self.law.reset(begins)
@@ -295,6 +306,8 @@ class ControllerCore:
             frozen = frozen | self.watch.listening()
         if self.clipping.busy:
             frozen = frozen | self.clipping.paused
+        if self._hold.busy:
+            frozen = frozen | self._hold.held
         return LawInput(
             sequence=k,
             upper=measured.upper,
@@ -324,6 +337,8 @@ class ControllerCore:
             why = np.where(self.watch.listening(), LISTENING, why)
         if self.clipping.busy:
             why = np.where(self.clipping.paused, CLIPPED, why)
+        if self._hold.busy:
+            why = np.where(self._hold.held, HELD, why)
         return _Wish(demand * self._fade, state.reference, state.adapting, why)
 
     def _guard(

@@ -47,10 +47,10 @@ class Faults:
         """Where no bias is known (shape), because CALIBRATE did not give a plausible one."""
         return self._biasless != 0
 
-    def stop(self) -> None:
-        """Stop all from the next sample on."""
-        self._stopped = np.ones(self.shape, dtype=bool)
-        self.alarmed = True
+    def stop(self, mask: Mask | bool = True) -> None:
+        """Stop from the next sample on where `mask` (shape) holds."""
+        self._stopped = self._stopped | mask
+        self.alarmed = self.alarmed or bool(self._stopped.any())
 
     def check_bias(
         self, bias: Array, deviation: Array, bias_limit: float, deviation_limit: float

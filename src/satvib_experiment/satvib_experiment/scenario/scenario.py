@@ -30,6 +30,7 @@ from satvib_experiment.scenario.settings_file import load_settings, resolve_path
 
 if TYPE_CHECKING:
     from satvib_control.parameters import ControllerParameters
+    from satvib_control.supervision.parameters import SupervisorParameters
     from satvib_ident.parameters import IdentifierParameters
     from satvib_plant_sim.disturbance.base import Disturbance
 
@@ -107,6 +108,10 @@ class Scenario(Schema):
         'parameters of the centralized controller, over those of `controller`; `file` names what '
         '`satvib tune` has written',
     )
+    supervisor: bool = param(
+        False,
+        'a supervisor listens to all struts, finds the one that makes the others loud, and stops it',
+    )
     model_period: int = param(
         50, 'samples between hand-overs of the model; 0: only at phase changes', minimum=0
     )
@@ -126,6 +131,10 @@ class Scenario(Schema):
             for key in _SET_BY:
                 if key in getattr(self, section):
                     raise SatvibError(f'{section}.{key}: {_SET_BY[key]}')
+        if self.supervisor and self.scheme == 'centralized':
+            raise SatvibError(
+                'supervisor: the centralized controller hears all struts itself; leave it out'
+            )
         for name in ('uncontrolled', 'controlled'):
             window = getattr(self.analysis, name)
             if window and window[1] > self.duration:
@@ -213,6 +222,21 @@ class Scenario(Schema):
                 'nothing is known of it between the samples'
             )
         return {'narrowband_weights': weight_table(rig, 1.0, 0.45 * rate)}
+
+    def supervisor_parameters(
+        self, rate: float, lockstep: bool = True, struts: int | None = None
+    ) -> SupervisorParameters:
+        """Give the parameters of the supervisor; `rate` in Hz, `struts` None: the rig is asked."""
+        from satvib_control.supervision.parameters import SupervisorParameters
+
+        controller = self.controller_parameters(rate, lockstep, struts=struts)
+        return SupervisorParameters(
+            sample_rate=controller.sample_rate,
+            lockstep=lockstep,
+            struts=controller.struts,
+            voltage_limit=controller.voltage_limit,
+            watch_floor=controller.watch_floor,
+        )
 
     def _shared(self, rate: float, lockstep: bool) -> dict[str, Any]:
         values = (float(rate), lockstep, self.model_period)

@@ -8,6 +8,7 @@ It drives the very cores that the nodes drive, in the order that the graph's loc
         sample = plant.sample()
         if plan.is_hand_over(k, model_period): controller.set_model(model stamped k - 1)
         output = controller.step(k, plan, sample.upper, sample.lower)
+        supervisor.step(k, phase, sample.upper, u(k)), where there is one
         identification = identifier.step(k, phase, sample.upper, u(k - delay))
         truth  = plant.advance(output.voltage)
 
@@ -25,6 +26,7 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_control.core.centralized import make_core
+from satvib_control.supervision.supervisor import SupervisorCore, ask
 from satvib_ident.identifier import IdentifierCore
 from satvib_plant_sim.plant.failing_plant import FailingPlant, make_failing_plant
 from satvib_plant_sim.rig.any_rig import AnyRig, strut_count
@@ -38,7 +40,7 @@ Progress = Callable[[LoopStep], None]
 
 # what the scenarios of a batch have in common
 BATCH_SHARES = (
-    'identifier', 'controller', 'scheme', 'centralized', 'model_period', 'phases', 'duration',
+    'identifier', 'controller', 'scheme', 'supervisor', 'centralized', 'model_period', 'phases', 'duration',
     'command_timeout',
 )  # fmt: skip
 
@@ -87,6 +89,11 @@ class ClosedLoop:
         self.controller = make_core(
             first.controller_parameters(rate, struts=self.plant.struts), shape
         )
+        self.supervisor = (
+            SupervisorCore(first.supervisor_parameters(rate, struts=self.plant.struts), shape)
+            if first.supervisor
+            else None
+        )
         self.model_period = first.model_period
         # Before sample 0 everything is at rest at 0 V; that much is known.
         self._voltages: deque[Array] = deque(
@@ -132,7 +139,10 @@ class ClosedLoop:
                 )
             clipped = sample.upper_clipped, sample.lower_clipped
             output = self.controller.step(k, self.plan, sample.upper, sample.lower, None, *clipped)
-            self._voltages.append(self._known(output.voltage))
+            known = self._known(output.voltage)
+            self._voltages.append(known)
+            if self.supervisor is not None:
+                ask(self.controller, self.supervisor.step(k, self.plan, sample.upper, known))
             identification = self.identifier.step(
                 k, phase, sample.upper, self._voltages[0], clipped=sample.upper_clipped
             )

@@ -8,7 +8,7 @@ from satvib_common.door import door
 
 if TYPE_CHECKING:
     from satvib_studies.changes.drawing import KINDS, Change, draw_change
-    from satvib_studies.changes.runs import Outcome, run_changes
+    from satvib_studies.changes.runs import Outcome, count_stops, run_changes
 
-__all__ = ['KINDS', 'Change', 'Outcome', 'draw_change', 'run_changes']
+__all__ = ['KINDS', 'Change', 'Outcome', 'count_stops', 'draw_change', 'run_changes']
 __getattr__, __dir__ = door(__name__, __file__)

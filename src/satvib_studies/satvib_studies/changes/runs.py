@@ -49,7 +49,9 @@ class Outcome:
     fault: Mask
 
 
-def scenario_of(rig: str, law: str, change: Change, seed: int, fresh: bool = False) -> Scenario:
+def scenario_of(
+    rig: str, law: str, change: Change, seed: int, fresh: bool = False, supervisor: bool = False
+) -> Scenario:
     """The scenario of a trial; `fresh`: the rig, not the disturbance, has changed before the run begins."""
     failures = [dict(failure) for failure in change.failures]
     if fresh:
@@ -64,6 +66,7 @@ def scenario_of(rig: str, law: str, change: Change, seed: int, fresh: bool = Fal
             f'duration={END}',
             f'seed={seed}',
             f'controller.law={law}',
+            f'supervisor={str(supervisor).lower()}',
             f'disturbance={json.dumps(change.disturbance)}',
             f'failures={json.dumps(failures)}',
             f'analysis={{uncontrolled: [5.5, 6.5], controlled: [{END - SETTLED}, {END}]}}',
@@ -72,7 +75,11 @@ def scenario_of(rig: str, law: str, change: Change, seed: int, fresh: bool = Fal
 
 
 def run_changes(
-    rig: str, law: str, trials: Sequence[int], kinds: tuple[str, ...] = KINDS
+    rig: str,
+    law: str,
+    trials: Sequence[int],
+    kinds: tuple[str, ...] = KINDS,
+    supervisor: bool = False,
 ) -> Outcome:
     """Run the trials of one rig and law as one batch each.
 
@@ -81,6 +88,7 @@ def run_changes(
         law: as in a scenario.
         trials: numbers of the trials, which are their seeds too.
         kinds: of changes to draw from.
+        supervisor: one listens.
     """
     nominal = load_rig(rig)
     changes = [draw_change(nominal, trial, kinds) for trial in trials]
@@ -88,7 +96,7 @@ def run_changes(
     def powers(law: str, fresh: bool) -> tuple[Array, Mask]:
         return _powers(
             [
-                scenario_of(rig, law, change, trial, fresh)
+                scenario_of(rig, law, change, trial, fresh, supervisor)
                 for change, trial in zip(changes, trials, strict=True)
             ]
         )
@@ -104,6 +112,21 @@ def run_changes(
     fresh = 10.0 * np.log10(anew[-last:].mean(axis=0) / still[-last:].mean(axis=0))
     loud_time = _longest(gain > LOUD).max(axis=-1) * WINDOW
     return Outcome(changes, loud_time, gain.max(axis=(0, -1)), end, fresh, fault)
+
+
+def count_stops(rig: str, law: str, trials: Sequence[int], supervisor: bool = False) -> Mask:
+    """Run disturbances that change on a rig that does not; give which struts (trials, struts) end at 0 V, latched.
+
+    Every one of them is a false stop.
+    """
+    nominal = load_rig(rig)
+    scenarios = [
+        scenario_of(rig, law, draw_change(nominal, trial, DISTURBANCE_KINDS), trial, False, supervisor)
+        for trial in trials
+    ]
+    for step in ClosedLoop(scenarios).steps():
+        fault = step.output.fault
+    return np.array(fault)
 
 
 def _powers(scenarios: list[Scenario]) -> tuple[Array, Mask]:
