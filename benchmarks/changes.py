@@ -50,10 +50,12 @@ def count(options: argparse.Namespace) -> None:
     print('|---|---|---:|---:|---|')
     for rig in options.rigs:
         for law in options.laws:
-            stopped = np.concatenate([
-                count_stops(rig, law, numbers[at : at + BATCH], options.supervisor).any(axis=-1)
-                for at in range(0, len(numbers), BATCH)
-            ])
+            stopped = np.concatenate(
+                [
+                    count_stops(rig, law, numbers[at : at + BATCH], options.supervisor).any(axis=-1)
+                    for at in range(0, len(numbers), BATCH)
+                ]
+            )
             which = ', '.join(str(numbers[i]) for i in np.flatnonzero(stopped))
             print(f'| {rig} | {law} | {len(stopped)} | {stopped.sum()} | {which} |', flush=True)
 
@@ -61,9 +63,7 @@ def count(options: argparse.Namespace) -> None:
 def show(rig: str, law: str, options: argparse.Namespace) -> None:
     numbers = range(options.first, options.first + options.trials)
     parts = [
-        run_changes(
-            rig, law, numbers[at : at + BATCH], tuple(options.kinds), options.supervisor
-        )
+        run_changes(rig, law, numbers[at : at + BATCH], tuple(options.kinds), options.supervisor)
         for at in range(0, len(numbers), BATCH)
     ]
     time = np.concatenate([part.loud_time for part in parts])

@@ -26,6 +26,7 @@ setup(
     entry_points={
         'console_scripts': [
             'strut_controller = satvib_control.nodes.strut_controller_node:main',
+            'supervisor = satvib_control.nodes.supervisor_node:main',
             'centralized_controller = satvib_control.nodes.centralized_controller_node:main',
         ],
     },

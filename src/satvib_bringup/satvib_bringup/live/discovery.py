@@ -21,7 +21,7 @@ from satvib_bringup.live.graph import Graph
 REPORTS = wanted(whole=True, depth=100)
 _OURS = frozenset({
     'plant_sim', 'strut_controller', 'centralized_controller', 'strut_identifier', 'recorder',
-    'daq_bridge',
+    'daq_bridge', 'supervisor',
 })  # fmt: skip
 
 

@@ -8,6 +8,7 @@ One description for the runner and for the launch file:
     strut_i/strut_controller   answers them
     strut_i/strut_identifier   reads both
     recorder                   records all topics
+    supervisor                 where the scenario asks for one: listens to all struts
 
 In the centralized scheme one `centralized_controller` stands in the place of all strut controllers. How nodes share
 processes is in `process`.
@@ -47,6 +48,7 @@ from satvib_bringup.live.process import (
 from satvib_bringup.recorder.check import REPORT, Expected
 
 CENTRALIZED = 'centralized_controller'
+SUPERVISOR = 'supervisor'
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ class Graph:
         for process in self.processes:
             written = {topic for node in process.nodes for topic in node.writes}
             for topic in {topic for node in process.nodes for topic in node.reads} - written:
-                found[topic] += 1
+                found[topic] = found.get(topic, 0) + 1
         return found
 
 
@@ -150,6 +152,14 @@ def graph_of(
                 controller.to_mapping(), Stage.CONTROLLER, struts,
             )
         )  # fmt: skip
+    if scenario.supervisor:
+        controller = controller.replace(supervised=True)
+        listens = scenario.supervisor_parameters(rate, not realtime).to_mapping()
+        nodes.append(
+            NodeSpec(
+                'satvib_control', SUPERVISOR, '/', SUPERVISOR, listens, Stage.IDENTIFIER, struts
+            )
+        )
     for i, strut in enumerate(struts):
         if not central:
             nodes.append(

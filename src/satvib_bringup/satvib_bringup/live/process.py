@@ -31,6 +31,7 @@ _TOPICS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     'strut_controller': (('acceleration', 'identified_model'), ('voltage', 'controller_state')),
     'centralized_controller': (('acceleration',), ('voltage', 'controller_state')),
     'strut_identifier': (('acceleration', 'voltage'), ('identified_model',)),
+    'supervisor': (('acceleration', 'voltage'), ()),
     'recorder': (tuple(STRUT_TOPICS), ()),
 }
 
@@ -73,12 +74,15 @@ class NodeSpec:
     @property
     def reads(self) -> frozenset[str]:
         """Topics of the loop that it reads, absolute."""
-        return frozenset({'/schedule', *self._absolute(_TOPICS[self.executable][0])})
+        found = frozenset({'/schedule', *self._absolute(_TOPICS[self.executable][0])})
+        waits = self.parameters.get('supervised') and self.parameters['lockstep']
+        return found | {'/supervision'} if waits else found
 
     @property
     def writes(self) -> frozenset[str]:
         """Topics of the loop that it writes, absolute."""
-        return frozenset(self._absolute(_TOPICS[self.executable][1]))
+        found = frozenset(self._absolute(_TOPICS[self.executable][1]))
+        return found | {'/supervision'} if self.executable == 'supervisor' else found
 
     def _absolute(self, topics: Sequence[str]) -> list[str]:
         return [f'/{strut}/{topic}' for strut in self.struts for topic in topics]

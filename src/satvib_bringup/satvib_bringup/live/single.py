@@ -47,6 +47,7 @@ _CLASSES = {
         'CentralizedControllerNode',
     ),
     'strut_identifier': ('satvib_ident.nodes.strut_identifier_node', 'StrutIdentifierNode'),
+    'supervisor': ('satvib_control.nodes.supervisor_node', 'SupervisorNode'),
     'recorder': ('satvib_bringup.nodes.recorder_node', 'RecorderNode'),
 }
 

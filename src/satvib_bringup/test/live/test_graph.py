@@ -72,6 +72,21 @@ def test_who_reads_what(graph):
     assert unrecorded['/strut_2/truth'] == 0
 
 
+def test_a_supervisor_reads_accelerations_and_voltages():
+    """Truth: one reader more of each; in lockstep the controllers read its judgement, in real time nobody does."""
+    scenario = load_scenario('quick_3dof', ['supervisor=true'])
+    graph = graph_of(scenario)
+    readers, without = graph.readers(), graph_of(load_scenario('quick_3dof')).readers()
+    for topic in ('/schedule', '/strut_2/acceleration', '/strut_2/voltage'):
+        assert readers[topic] == without[topic] + 1
+    assert readers['/supervision'] == 3
+    assert '/supervision' not in graph_of(scenario, realtime=True).readers()
+    controllers = [node for node in graph.nodes if node.executable == 'strut_controller']
+    assert all(node.parameters['supervised'] for node in controllers)
+    with pytest.raises(SatvibError, match='hears all struts itself'):
+        load_scenario('soft_3dof_centralized', ['supervisor=true'])
+
+
 def test_a_kill_needs_real_time_and_names_its_process():
     """In lockstep the plant would wait for ever; in real time the graph names what is killed at which sample."""
     kill, kill_all = (

@@ -167,7 +167,7 @@ class ControllerCore:
         self._faults.stop(mask)
 
     def hold(self, mask: Mask | bool = True) -> None:
-        """Fade to 0 V where `mask` (shape) holds, until `release`, and for 20 s at most; the law keeps what it knows."""
+        """Fade to 0 V where `mask` (shape) holds, until `release`, for 20 s at most; the law keeps what it knows."""
         self._hold.begin(mask)
 
     def release(self, mask: Mask | bool = True) -> None:
@@ -183,6 +183,7 @@ class ControllerCore:
         self.law.reset()
         self.watch.reset()
         self.clipping.reset()
+        self._hold.end()
         self._faults.reset()
         return not self._faults.biasless.any()
 

@@ -67,6 +67,12 @@ class CoreParameters(LawParameters):
         maximum=1000.0,
         read_only=True,
     )
+    supervised: bool = param(
+        False,
+        'in lockstep, wait for the judgement of the supervisor at its checks; in real time a strut '
+        'never waits for it',
+        read_only=True,
+    )
     watch_floor: float = param(
         0.1,
         'vibration below which no law is checked as its possible cause',

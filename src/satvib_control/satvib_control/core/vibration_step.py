@@ -9,10 +9,8 @@ from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
 from satvib_common.kernels.deferred import njit
 
-LEVEL_TIME = 0.5  # s; two periods of the lowest tone that matters
-QUICK_TIME = 0.06  # s
-PAST_TIME = 1.0  # s
-BASE_TIME = 1.5  # s
+LEVEL_TIME, QUICK_TIME = 0.5, 0.06  # s; two periods of the lowest tone that matters
+PAST_TIME, BASE_TIME = 1.0, 1.5  # s
 MOST = 4.0  # a level of 10 dB counts four times
 PATIENCE = 1.0  # s
 PATIENCE_RETURNING = 1.0  # s; a quarter of that where it is 10 dB too loud
@@ -137,9 +135,7 @@ def _loud(memory, settings):
 def _go(memory, state):
     """Begin a state."""
     memory[Slot.STATE] = state.value
-    memory[Slot.CLOCK] = 0.0
-    memory[Slot.LOUD] = 0.0
-    memory[Slot.QUIET] = 0.0
+    memory[Slot.CLOCK] = memory[Slot.LOUD] = memory[Slot.QUIET] = 0.0
 
 
 @njit
@@ -165,13 +161,10 @@ def _is_loud_for(memory, settings, patience):
 def _pause(memory):
     """Begin a pause."""
     memory[Slot.BEFORE] = memory[Slot.LEVEL]
-    memory[Slot.BLOCK] = 0.0
-    memory[Slot.BLOCK_TIME] = 0.0
+    memory[Slot.BLOCK] = memory[Slot.BLOCK_TIME] = 0.0
     memory[Slot.LAST_BLOCK] = np.inf
-    memory[Slot.STRUCK] = 0.0
-    memory[Slot.PEACE] = 0.0
-    memory[Slot.ACTED] = 0.0
-    memory[Slot.STRANGE] = 0.0
+    memory[Slot.STRUCK] = memory[Slot.PEACE] = 0.0
+    memory[Slot.ACTED] = memory[Slot.STRANGE] = 0.0
     memory[Slot.PEEK] = Peek.NO.value
     _go(memory, State.PAUSING)
 
@@ -190,8 +183,7 @@ def _act(memory, settings):
     """ACTING: the law's voltage, until it has been loud for too long."""
     memory[Slot.PEACE] += settings[Setting.DT]
     if memory[Slot.PEACE] > FORGIVE_TIME:
-        memory[Slot.PEACE] = 0.0
-        memory[Slot.PAUSES] = 0.0
+        memory[Slot.PEACE] = memory[Slot.PAUSES] = 0.0
         memory[Slot.STRIKES] = max(memory[Slot.STRIKES] - 1.0, 0.0)
     loud = _is_loud_for(memory, settings, PATIENCE)
     if (_is_unusual(memory, settings) or loud) and memory[Slot.EFFORT] > EFFORT:
@@ -212,8 +204,7 @@ def _peek(memory, settings, y):
     if memory[Slot.BLOCK_TIME] < PEEK_TIME:
         return False
     power = memory[Slot.BLOCK] / memory[Slot.BLOCK_TIME]
-    memory[Slot.BLOCK] = 0.0
-    memory[Slot.BLOCK_TIME] = 0.0
+    memory[Slot.BLOCK] = memory[Slot.BLOCK_TIME] = 0.0
     memory[Slot.PEEK] = Peek.NO.value
     if power < RISEN * max(memory[Slot.BEFORE], memory[Slot.BASE]):
         return False
@@ -260,8 +251,7 @@ def _listen_in_pause(memory, settings, y):
     power = memory[Slot.BLOCK] / memory[Slot.BLOCK_TIME]
     falls = power < FALLING * memory[Slot.LAST_BLOCK]
     memory[Slot.LAST_BLOCK] = power
-    memory[Slot.BLOCK] = 0.0
-    memory[Slot.BLOCK_TIME] = 0.0
+    memory[Slot.BLOCK] = memory[Slot.BLOCK_TIME] = 0.0
     if falls and memory[Slot.CLOCK] < LONGEST_PAUSE:
         return False
     memory[Slot.LEVEL] = power

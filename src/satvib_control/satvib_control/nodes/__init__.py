@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""The nodes `strut_controller` and `centralized_controller`: messages in, messages out."""
+"""The nodes `strut_controller`, `centralized_controller` and `supervisor`: messages in, messages out."""
 
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from satvib_control.nodes.model_queue import ModelQueue
     from satvib_control.nodes.sample_gatherer import SampleGatherer
     from satvib_control.nodes.strut_controller_node import StrutControllerNode
+    from satvib_control.nodes.supervisor_node import SupervisorNode
 
 __all__ = [
     'CentralizedControllerNode',
@@ -19,5 +20,6 @@ __all__ = [
     'ModelQueue',
     'SampleGatherer',
     'StrutControllerNode',
+    'SupervisorNode',
 ]
 __getattr__, __dir__ = door(__name__, __file__)

@@ -55,6 +55,8 @@ class ControllerNode(SatvibNode[P]):
         if not self.parameters.lockstep:
             rehearse(type(core)(self.parameters, core.shape))
         self.core, self.places = core, [place for place, _ in struts]
+        self.offer('hold')
+        self.offer('release')
         self.plan: PhasePlan | None = None
         self.gate = ScheduleGate(
             self, self.shared('schedule'), self.parameters.sample_rate, self.run_is_on
@@ -106,6 +108,16 @@ class ControllerNode(SatvibNode[P]):
         """Latch 0 V."""
         self.core.stop()
         return self.stopped
+
+    def hold(self) -> str:
+        """Go to 0 V for a while; the law keeps what it knows."""
+        self.core.hold()
+        return '0 V until release, for 20 s at most'
+
+    def release(self) -> str:
+        """Let the law act again."""
+        self.core.release()
+        return 'the law acts again'
 
     def reset(self) -> str:
         """Release faults.

@@ -15,11 +15,13 @@ from satvib_common.ros.main import run_node
 from satvib_common.ros.qos import wanted
 from satvib_common.sequence import Arrival, SequenceTracker
 from satvib_ident.models.iir_model import IirModel
+from std_msgs.msg import UInt64
 
 from satvib_control.core.controller import ControllerCore
 from satvib_control.nodes.controller_node import ControllerNode
 from satvib_control.nodes.model_queue import ModelQueue
 from satvib_control.parameters import ControllerParameters
+from satvib_control.supervision.supervisor import is_checked
 from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration
 
 
@@ -36,11 +38,17 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         self.waiting: deque[tuple[StrutAcceleration, Arrival]] = deque()
         self.models: ModelQueue[IirParameters] = ModelQueue(p.model_period, wait=p.lockstep)
         self.tracker = SequenceTracker(confirm=True, zero_restarts=p.lockstep)
+        self.supervised = p.supervised and p.lockstep
+        self.judged = -1  # the last sample that the supervisor has judged
 
     def activate(self) -> None:
         """Listen to the strut and to the schedule."""
         qos = wanted(whole=self.parameters.lockstep)
         self.listen_to(Schedule, self.shared('schedule'), self.on_schedule, wanted(whole=True))
+        if self.supervised:
+            self.listen_to(
+                UInt64, self.shared('supervision'), self._on_supervision, wanted(whole=True)
+            )
         self.listen_to(IirParameters, 'identified_model', self._on_model, wanted(whole=True))
         self.listen_to(StrutAcceleration, 'acceleration', self._on_acceleration, qos)
 
@@ -53,6 +61,8 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         """Answer every sample that has all it needs."""
         while self.waiting:
             sample, arrival = self.waiting[0]
+            if not self._is_judged(sample.sequence):
+                return
             ready, model = self.models.take(sample.sequence, plan)
             if not ready:
                 return
@@ -60,6 +70,15 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
                 self._set_model(model)
             self.waiting.popleft()
             self.answer(sample.sequence, [sample], plan, arrival)
+
+    def _is_judged(self, k: int) -> bool:
+        """Whether what a supervisor asks from sample k on is known."""
+        checked = self.supervised and is_checked(k, self.parameters.sample_rate)
+        return not checked or self.judged >= k - 1
+
+    def _on_supervision(self, message: UInt64) -> None:
+        self.judged = message.data
+        self.proceed()
 
     def _on_model(self, message: IirParameters) -> None:
         self.check_period(f'{self.strut} identified_model', message)
@@ -71,6 +90,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         if arrival in {Arrival.FIRST, Arrival.RESTART}:
             self.check_period(f'{self.strut} acceleration', message)
             self.waiting.clear()
+            self.judged = -1 if arrival is Arrival.RESTART else self.judged
             self.models.begin(message.sequence, new_run=arrival is Arrival.RESTART)
         if arrival not in {Arrival.REPEAT, Arrival.STRAY}:
             self.waiting.append((message, arrival))

@@ -9,7 +9,13 @@ from satvib_common.door import door
 if TYPE_CHECKING:
     from satvib_control.supervision.hold import Hold
     from satvib_control.supervision.parameters import SupervisorParameters
-    from satvib_control.supervision.supervisor import Ask, SupervisorCore, ask, check_period, is_checked
+    from satvib_control.supervision.supervisor import (
+        Ask,
+        SupervisorCore,
+        ask,
+        check_period,
+        is_checked,
+    )
 
 __all__ = [
     'Ask',

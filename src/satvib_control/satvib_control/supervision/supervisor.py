@@ -2,23 +2,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """The supervisor: hears all struts, and finds the one that makes the others loud.
 
-A strut's own watch hears its own sensor. It misses what a sensor hides that is stuck or has lost gain: the law shakes the
-payload, the other struts are loud and pause, and their pauses do not help. The supervisor listens to the accelerations
-and voltages of all struts, so it knows the power of each when *all* of them were at 0 V last, and who pauses.
+A strut's own watch hears its own sensor. It misses what a sensor hides that is stuck or has lost gain: the law shakes
+the payload, the other struts are loud and pause, and their pauses do not help. The supervisor listens to the
+accelerations and voltages of all struts. So it knows the power of each when *all* of them were at 0 V last, and who
+pauses.
 
 | state | leaves when | next | what it asks |
 |---|---|---|---|
-| WATCHING | a strut is loud for `PATIENCE` while another voltage acts | TRYING | hold a strut: the one with most strikes, then the one that has acted longest without a pause |
-| TRYING | the loud strut has fallen by half | WATCHING | that strut stays held for `TURN`: a strike; the others are released |
+| WATCHING | a strut is loud for `PATIENCE`, and some voltage acts | TRYING | hold a strut |
+| TRYING | the loud strut has fallen by half | WATCHING | release all but the last: that is the cause, a strike |
 | TRYING | it has not fallen | TRYING | hold the next one too |
-| TRYING | all are held | WATCHING | release all: the disturbance has grown, and the power at 0 V is new |
+| TRYING | it has not fallen, and all are held | WATCHING | release all: the disturbance has grown |
 
-The third strike is a stop, latched in the strut's controller until its reset. Nothing here uses a model, and no strut needs
-the supervisor: without it each strut has its own watch. A hold ends by itself in the controller, so a supervisor that dies
-stops nobody.
+The order: the strut with most strikes, then the one that has acted longest without a pause, then the loudest. A strike
+holds for `TURN`. The third one is a stop, latched in the strut's controller until its reset. After a try in which
+the disturbance had grown the power at 0 V is new, and the patience is doubled.
 
-It decides at the last sample of every period of `CHECK_TIME`; what it asks holds from the next sample on. In lockstep the
-controllers wait there for its judgement, so live and offline runs are equal bit for bit.
+Nothing here uses a model, and no strut needs the supervisor: without it each strut has its own watch. A hold ends by
+itself in the controller, so a supervisor that ends holds nobody for long.
+
+It decides at the last sample of every period of `CHECK_TIME`; what it asks holds from the next sample on. In lockstep
+the controllers wait there for its judgement, so live and offline runs are equal bit for bit.
 """
 
 from typing import TYPE_CHECKING

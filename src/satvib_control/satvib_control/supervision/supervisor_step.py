@@ -142,9 +142,9 @@ def _watch(struts, common, settings):
             m[Slot.LOUD] += 0.0 if decays else dt
         else:
             m[Slot.LOUD] = max(m[Slot.LOUD] - dt, 0.0)
-        if m[Slot.LOUD] > max(common[Common.PATIENCE], PATIENCE):
-            if loudest < 0 or m[Slot.LOUD] > struts[loudest, Slot.LOUD]:
-                loudest = i
+        loud = m[Slot.LOUD] > max(common[Common.PATIENCE], PATIENCE)
+        if loud and (loudest < 0 or m[Slot.LOUD] > struts[loudest, Slot.LOUD]):
+            loudest = i
     if common[Common.PEACE] > FORGIVE:
         common[Common.PEACE] = 0.0
         common[Common.PATIENCE] = PATIENCE
@@ -198,15 +198,16 @@ def _try(struts, common, y, dt):
 
 
 @njit
-def _decide(struts, common, settings, loudest, failed):
+def _decide(struts, common, loudest, failed):
     """At a check: the next hold, or the end of a try in which nothing helped."""
     if not failed and loudest < 0:
         return
     following = _candidate(struts)
     if failed and following < 0:
         power = common[Common.BLOCK] / (common[Common.CLOCK] - SETTLE)
-        loud = int(common[Common.LOUDEST])
-        struts[loud, Slot.BASE] = power
+        for i in range(struts.shape[0]):
+            struts[i, Slot.BASE] = struts[i, Slot.LEVEL]
+        struts[int(common[Common.LOUDEST]), Slot.BASE] = power
         common[Common.PATIENCE] = min(
             2.0 * max(common[Common.PATIENCE], PATIENCE), LONGEST_PATIENCE
         )
@@ -245,7 +246,7 @@ def supervise(y, effort, acting, decides, settings, struts, common, asks):
                 m[Slot.ASK] = Ask.RELEASE.value
     if decides <= 0.0:
         return
-    _decide(struts, common, settings, loudest, failed)
+    _decide(struts, common, loudest, failed)
     for i in range(y.shape[0]):
         asks[i] = struts[i, Slot.ASK]
         struts[i, Slot.ASK] = Ask.NOTHING.value

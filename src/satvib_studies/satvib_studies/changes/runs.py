@@ -121,7 +121,9 @@ def count_stops(rig: str, law: str, trials: Sequence[int], supervisor: bool = Fa
     """
     nominal = load_rig(rig)
     scenarios = [
-        scenario_of(rig, law, draw_change(nominal, trial, DISTURBANCE_KINDS), trial, False, supervisor)
+        scenario_of(
+            rig, law, draw_change(nominal, trial, DISTURBANCE_KINDS), trial, False, supervisor
+        )
         for trial in trials
     ]
     for step in ClosedLoop(scenarios).steps():

@@ -8,7 +8,7 @@ from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import ClosedLoop
 from satvib_plant_sim.rig.rig import load_rig
 from satvib_studies.changes.drawing import KINDS, draw_change
-from satvib_studies.changes.runs import run_changes
+from satvib_studies.changes.runs import count_stops, run_changes
 
 PROMISED = 5.0  # s
 
@@ -26,6 +26,12 @@ def test_no_strut_stays_louder_than_its_open_loop(rig, law):
     outcome = run_changes(rig, law, range(1, 14))
     worst = int(np.argmax(outcome.loud_time))
     assert outcome.loud_time.max() <= PROMISED, outcome.changes[worst].text
+
+
+def test_a_disturbance_that_changes_stops_no_strut():
+    """The short form of benchmarks/changes.py --unchanged, with a supervisor. Truth: the rig is as it was."""
+    for law in ('velocity_feedback', 'feedforward'):
+        assert not count_stops('soft_3dof', law, range(1, 9), supervisor=True).any(), law
 
 
 def test_a_reversed_coil_stops_its_own_strut_and_no_other():
