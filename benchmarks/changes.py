@@ -30,7 +30,9 @@ def main() -> None:
     parser.add_argument('--kinds', nargs='+', default=list(KINDS), choices=list(KINDS))
     parser.add_argument('--worst', type=int, default=3, help='trials to name for each rig and law')
     parser.add_argument('--unchanged', action='store_true', help='count false stops')
-    parser.add_argument('--supervisor', action='store_true', help='a supervisor listens')
+    parser.add_argument(
+        '--set', nargs='+', default=[], dest='more', help='settings, such as supervisor=true'
+    )
     options = parser.parse_args()
     if options.unchanged:
         count(options)
@@ -52,7 +54,7 @@ def count(options: argparse.Namespace) -> None:
         for law in options.laws:
             stopped = np.concatenate(
                 [
-                    count_stops(rig, law, numbers[at : at + BATCH], options.supervisor).any(axis=-1)
+                    count_stops(rig, law, numbers[at : at + BATCH], options.more).any(axis=-1)
                     for at in range(0, len(numbers), BATCH)
                 ]
             )
@@ -63,7 +65,7 @@ def count(options: argparse.Namespace) -> None:
 def show(rig: str, law: str, options: argparse.Namespace) -> None:
     numbers = range(options.first, options.first + options.trials)
     parts = [
-        run_changes(rig, law, numbers[at : at + BATCH], tuple(options.kinds), options.supervisor)
+        run_changes(rig, law, numbers[at : at + BATCH], tuple(options.kinds), options.more)
         for at in range(0, len(numbers), BATCH)
     ]
     time = np.concatenate([part.loud_time for part in parts])

@@ -99,6 +99,11 @@ class ControllerCore:
         self._signals = StrutSignals(
             p.excitation, p.excitation_amplitude, p.excitation_frequencies, p, shape
         )
+        self._dither = (
+            StrutSignals(p.excitation, p.dither, p.excitation_frequencies, p, shape)
+            if p.dither
+            else None
+        )
         self._tracker = SequenceTracker()
         self._begin()
 
@@ -340,7 +345,10 @@ class ControllerCore:
             why = np.where(self.clipping.paused, CLIPPED, why)
         if self._hold.busy:
             why = np.where(self._hold.held, HELD, why)
-        return _Wish(demand * self._fade, state.reference, state.adapting, why)
+        voltage = demand * self._fade
+        if self._dither is not None and phase == Phase.CONTROL:
+            voltage = voltage + self._dither.at(k - plan.start_of(k)) * self._fade
+        return _Wish(voltage, state.reference, state.adapting, why)
 
     def _guard(
         self, wish: '_Wish', measured: '_Measured', verdict: Integers, failed: Mask

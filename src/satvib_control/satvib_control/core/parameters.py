@@ -67,6 +67,14 @@ class CoreParameters(LawParameters):
         maximum=1000.0,
         read_only=True,
     )
+    dither: float = param(
+        0.0,
+        'amplitude of the excitation that is added in CONTROL, so that an identifier with CONTROL in '
+        '`estimate_in` learns a rig that changes; 0: none',
+        unit='V',
+        minimum=0.0,
+        read_only=True,
+    )
     supervised: bool = param(
         False,
         'in lockstep, wait for the judgement of the supervisor at its checks; in real time a strut '

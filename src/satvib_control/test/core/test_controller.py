@@ -333,3 +333,15 @@ def test_the_law_of_the_documentation_runs(
     loop.run(5)
     y, out = loop.step(0.5)
     assert abs(float(out.voltage)) == pytest.approx(0.2 * abs(float(y)))
+
+
+def test_dither_is_added_in_control_only(settings):
+    """Truth: the excitation of IDENTIFY at another amplitude, faded in like the law; 0 V elsewhere."""
+    p = settings(sample_rate=100.0, law='off', dither=0.5, excitation_amplitude=10.0)
+    plan = PhasePlan((Phase.IDENTIFY, Phase.STANDBY, Phase.CONTROL), (0, 100, 150), 300)
+    core = ControllerCore(p)
+    u = np.array([float(core.step(k, plan, 0.0, 0.0).voltage) for k in range(300)])
+    assert np.abs(u[:100]).max() == pytest.approx(10.0)
+    assert not u[100:150].any()
+    faded = round(p.switch_on_time * p.sample_rate)
+    np.testing.assert_allclose(u[150 + faded : 250], 0.05 * u[faded:100], rtol=1e-12)

@@ -50,9 +50,15 @@ class Outcome:
 
 
 def scenario_of(
-    rig: str, law: str, change: Change, seed: int, fresh: bool = False, supervisor: bool = False
+    rig: str, law: str, change: Change, seed: int, fresh: bool = False, more: Sequence[str] = ()
 ) -> Scenario:
-    """The scenario of a trial; `fresh`: the rig, not the disturbance, has changed before the run begins."""
+    """The scenario of a trial.
+
+    Args:
+        rig, law, change, seed: of the trial.
+        fresh: the rig, not the disturbance, has changed before the run begins.
+        more: settings as key=value, over those of the trial.
+    """
     failures = [dict(failure) for failure in change.failures]
     if fresh:
         for failure in failures:
@@ -66,10 +72,10 @@ def scenario_of(
             f'duration={END}',
             f'seed={seed}',
             f'controller.law={law}',
-            f'supervisor={str(supervisor).lower()}',
             f'disturbance={json.dumps(change.disturbance)}',
             f'failures={json.dumps(failures)}',
             f'analysis={{uncontrolled: [5.5, 6.5], controlled: [{END - SETTLED}, {END}]}}',
+            *more,
         ],
     )
 
@@ -79,7 +85,7 @@ def run_changes(
     law: str,
     trials: Sequence[int],
     kinds: tuple[str, ...] = KINDS,
-    supervisor: bool = False,
+    more: Sequence[str] = (),
 ) -> Outcome:
     """Run the trials of one rig and law as one batch each.
 
@@ -88,7 +94,7 @@ def run_changes(
         law: as in a scenario.
         trials: numbers of the trials, which are their seeds too.
         kinds: of changes to draw from.
-        supervisor: one listens.
+        more: settings as key=value, over those of the trials.
     """
     nominal = load_rig(rig)
     changes = [draw_change(nominal, trial, kinds) for trial in trials]
@@ -96,7 +102,7 @@ def run_changes(
     def powers(law: str, fresh: bool) -> tuple[Array, Mask]:
         return _powers(
             [
-                scenario_of(rig, law, change, trial, fresh, supervisor)
+                scenario_of(rig, law, change, trial, fresh, more)
                 for change, trial in zip(changes, trials, strict=True)
             ]
         )
@@ -114,16 +120,14 @@ def run_changes(
     return Outcome(changes, loud_time, gain.max(axis=(0, -1)), end, fresh, fault)
 
 
-def count_stops(rig: str, law: str, trials: Sequence[int], supervisor: bool = False) -> Mask:
+def count_stops(rig: str, law: str, trials: Sequence[int], more: Sequence[str] = ()) -> Mask:
     """Run disturbances that change on a rig that does not; give which struts (trials, struts) end at 0 V, latched.
 
     Every one of them is a false stop.
     """
     nominal = load_rig(rig)
     scenarios = [
-        scenario_of(
-            rig, law, draw_change(nominal, trial, DISTURBANCE_KINDS), trial, False, supervisor
-        )
+        scenario_of(rig, law, draw_change(nominal, trial, DISTURBANCE_KINDS), trial, False, more)
         for trial in trials
     ]
     for step in ClosedLoop(scenarios).steps():

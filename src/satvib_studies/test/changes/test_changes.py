@@ -31,7 +31,7 @@ def test_no_strut_stays_louder_than_its_open_loop(rig, law):
 def test_a_disturbance_that_changes_stops_no_strut():
     """The short form of benchmarks/changes.py --unchanged, with a supervisor. Truth: the rig is as it was."""
     for law in ('velocity_feedback', 'feedforward'):
-        assert not count_stops('soft_3dof', law, range(1, 9), supervisor=True).any(), law
+        assert not count_stops('soft_3dof', law, range(1, 9), ['supervisor=true']).any(), law
 
 
 def test_a_reversed_coil_stops_its_own_strut_and_no_other():
