@@ -5,12 +5,15 @@
 from collections.abc import Callable
 from typing import Any
 
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.subscription import Subscription
 
 from satvib_common.ros.exchange import Exchange, Reader
 from satvib_common.ros.qos import overridable
+
+_PATIENCE = Duration(seconds=3.0)  # with a reader that has ended without a word
 
 
 class Output:
@@ -20,15 +23,21 @@ class Output:
         publisher: of the middleware; one of a managed node publishes while it is activated.
         exchange: of this process; None: the node is alone in it.
         spared: nobody waits for these messages, so that they go out only while they are read.
+        paced: never run ahead of a reader by more than the writer keeps. In lockstep nothing else holds the loop back
+            when a recorder does not keep up, and what is overwritten is lost.
     """
 
-    def __init__(self, publisher: Any, exchange: Exchange | None, spared: bool) -> None:
+    def __init__(
+        self, publisher: Any, exchange: Exchange | None, spared: bool, paced: bool = False
+    ) -> None:
         self.publisher: Any = publisher
         self.topic_name: str = publisher.topic_name
         self._exchange = exchange
         self._topic = exchange.topic(self.topic_name) if exchange else None
         if self._topic is not None:
             self._topic.writers += 1
+        depth = publisher.qos_profile.depth
+        self._ahead, self._most_ahead = 0, depth * 4 // 5 if paced and depth > 1 else 0
         self._spared = spared or (
             exchange is not None and exchange.closed and publisher.qos_profile.depth > 1
         )
@@ -42,6 +51,14 @@ class Output:
             text = self._exchange.send(topic, message)
         if not self._spared or publisher.get_subscription_count() > 0:
             publisher.publish(message if text is None else text)
+            if self._most_ahead:
+                self._keep_pace()
+
+    def _keep_pace(self) -> None:
+        self._ahead += 1
+        if self._ahead >= self._most_ahead:
+            self.publisher.wait_for_all_acked(_PATIENCE)
+            self._ahead = 0
 
     def is_read(self) -> bool:
         """Whether it is worth while to fill in a message."""

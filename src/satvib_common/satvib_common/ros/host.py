@@ -23,8 +23,8 @@ from satvib_common.ros.node import DRAIN, SatvibNode
 _SLICE = 0.1
 # s, the longest time in which nodes of one process work on each other's messages alone
 _AMONG_THEMSELVES = 0.02
-# s, for messages on their way when the process ends
-_ACKNOWLEDGE = 3.0
+# s, for messages on their way when the process is ended, and when it ends because its work is done
+_ACKNOWLEDGE, _DONE = 1.0, 5.0
 
 
 def make_executor(context: Context | None = None) -> Executor:
@@ -131,7 +131,8 @@ class Host:
 
     def _acknowledge(self) -> None:
         """Wait until every reader has what was published."""
-        deadline = time.monotonic() + _ACKNOWLEDGE
+        done = any(node.ended and node.last_line and node.exit_code == 0 for node in self.nodes)
+        deadline = time.monotonic() + (_DONE if done else _ACKNOWLEDGE)
         for writer in (writer for node in self.nodes for writer in node.writers()):
             left = max(deadline - time.monotonic(), 0.0)
             with contextlib.suppress(Exception):

@@ -145,7 +145,8 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         publisher = self.create_lifecycle_publisher(
             kind, topic, qos or offered(), qos_overriding_options=overridable()
         )
-        self._writers.append(Output(publisher, self._exchange, spared))
+        paced = bool(getattr(self.parameters, 'lockstep', False))
+        self._writers.append(Output(publisher, self._exchange, spared, paced))
         return self._writers[-1]
 
     def listen_to(
