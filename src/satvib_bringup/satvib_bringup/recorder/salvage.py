@@ -3,16 +3,14 @@
 """Makes a readable bag of what a killed recorder has left: an MCAP file without index and metadata.yaml."""
 
 import shutil
-import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
-from mcap.exceptions import McapError
-from mcap.records import Channel, McapRecord, Message, Schema
-from mcap.stream_reader import StreamReader
+from mcap.records import Channel, Message, Schema
 from rosbags.interfaces import Connection, Qos
 from rosbags.rosbag2.metadata import parse_qos
 from ruamel.yaml import YAML
+from satvib_experiment.recording.bag.mcap_file import McapFile
 
 from satvib_bringup.recorder.bag_sink import open_bag
 from satvib_bringup.recorder.message_text import type_hash
@@ -51,7 +49,7 @@ def _copy(source: Path, target: Path, custom: Mapping[str, str]) -> int:
     connections: dict[int, Connection] = {}
     count = 0
     writer = open_bag(target, custom)
-    for record in _records(source):
+    for record in McapFile(source).records():
         if isinstance(record, Schema):
             schemas[record.id] = record
         elif isinstance(record, Channel) and record.id not in connections:
@@ -69,15 +67,6 @@ def _copy(source: Path, target: Path, custom: Mapping[str, str]) -> int:
             count += 1
     writer.close()
     return count
-
-
-def _records(source: Path) -> Iterator[McapRecord]:
-    """Records up to where the file breaks off."""
-    with source.open('rb') as stream:
-        try:
-            yield from StreamReader(stream).records
-        except (McapError, struct.error, EOFError):
-            return
 
 
 def _offered(channel: Channel) -> list[Qos]:
