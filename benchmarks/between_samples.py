@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of docs/between_samples.md that are no sweep: what the models know, and what a second channel sees.
+"""Tables of docs/between_samples.md that are no sweep: models, second channels, and the payload served.
 
     ./satvib shell
     python benchmarks/between_samples.py --page docs/between_samples.md
 
-The second channel is made from the truth of a run: noise of the sensor's density, a low-pass and a rate of its own.
+`--only serving` makes one table alone. The second channel is made from the truth of a run: noise of the sensor's
+density, a low-pass and a rate of its own.
 """
 
 import argparse
@@ -16,10 +17,15 @@ import numpy as np
 from model_phase import HEAD, ORDERS, RATES, Case, row
 from satvib_common.arrays import Array
 from satvib_common.levels import decibel, rms
+from satvib_experiment.analysis.evaluation import evaluate
 from satvib_experiment.analysis.levels import tone_level
 from satvib_experiment.recording.signals import fine
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import simulate, simulate_open_loop
+from satvib_plant_sim.disturbance.base import Disturbance
+from satvib_plant_sim.disturbance.factory import make_disturbance
+from satvib_plant_sim.plant.plant import Plant
+from satvib_plant_sim.rig.rig import Rig
 from satvib_studies.sweep.tables import fill, plain_markdown
 from scipy.signal import butter, sosfilt
 
@@ -102,12 +108,86 @@ def own_truth() -> str:
     return plain_markdown(['seen by', 'noise', 'RMS [dB]', 'tone [dB]'], rows)
 
 
+# settings of an acquisition with steps at 100 Hz, by name
+SLOW = {
+    'paper_3dof': ('paper_3dof_narrowband', []),
+    'clean_3dof, matched filter': (
+        'clean_3dof_narrowband',
+        ['rig.acquisition.filter_corner=35', 'identifier={poles: 6, coefficients: 7}'],
+    ),
+    'clean_3dof, 50 Hz filter': (
+        'clean_3dof_narrowband',
+        [
+            'rig.acquisition.filter_order=1', 'rig.acquisition.filter_corner=50',
+            'identifier={poles: 4, coefficients: 5}',
+        ],
+    ),
+}  # fmt: skip
+TONES = ((6.5, 200), (10.0, 10), (20.0, 5))  # Hz; samples after which a held command repeats
+
+
+def _periodic(rig: Rig, disturbance: Disturbance, voltages: Array) -> Array:
+    """True acceleration (fine samples, struts) over a period of voltages (period,), in the steady state."""
+    plant, period = Plant(rig, disturbance, 1), len(voltages)
+    settled = -(-400 // period) * period
+    found = []
+    for k in range(settled + period):
+        truth = plant.advance(np.full(plant.struts, voltages[k % period]))
+        if k >= settled:
+            found.append(truth.upper.T)
+    return np.concatenate(found)
+
+
+def best_command(rig: Rig, frequency: float, period: int) -> float:
+    """The least true RMS, dB, that a command of that period leaves, worst strut; by least squares on the plant."""
+    tone = make_disturbance({'kind': 'sine', 'frequency': frequency, 'amplitude': 1.0})
+    d = _periodic(rig, tone, np.zeros(period))
+    pulse = _periodic(rig, make_disturbance({'kind': 'none'}), np.eye(period)[0])
+    fine_steps = len(pulse) // period
+    worst = -math.inf
+    for i in range(d.shape[1]):
+        effects = np.stack([np.roll(pulse[:, i], fine_steps * k) for k in range(period)], axis=1)
+        u = np.linalg.lstsq(effects, -d[:, i], rcond=None)[0]
+        worst = max(worst, float(decibel(rms(d[:, i] + effects @ u), rms(d[:, i]))))
+    return worst
+
+
+def serving() -> str:
+    """Law narrowband serving the samples or the payload, beside the best periodic command."""
+    rows = []
+    for name, (scenario, settings) in SLOW.items():
+        slow = ['rig.acquisition.sample_rate=100', 'rig.acquisition.hold=zero', *settings]
+        for frequency, period in TONES:
+            cells = []
+            for serve in ('samples', 'payload'):
+                own = [f'disturbance.frequency={frequency}', f'controller.narrowband_serve={serve}']
+                run = simulate(load_scenario(scenario, [*slow, *own]))
+                found = evaluate(run, simulate_open_loop(run)).attenuation_open_loop
+                late = run.get('voltage', 'voltage')[run.window(20.0, 25.0)]
+                volts = float(np.max(np.abs(late)))
+                cells += [f'{np.max(found[f"{kind}_rms"]):.1f}' for kind in ('measured', 'true')]
+                cells.append(f'{volts:.1f}')
+            assert run.rig is not None
+            rows.append(
+                [name, f'{frequency:g}', f'{best_command(run.rig, frequency, period):.1f}', *cells]
+            )
+    heads = ['rig', 'tone [Hz]', 'best command, true']
+    for serve in ('samples', 'payload'):
+        heads += [f'{serve}: measured', f'{serve}: true', f'{serve}: peak [V]']
+    return plain_markdown(heads, rows)
+
+
+TABLES = {'own_truth': own_truth, 'model_phase': models, 'serving': serving}
+
+
 def main() -> None:
     """Print the tables and write them into the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--page', type=Path, help='page with the marks of the tables')
+    parser.add_argument('--only', choices=TABLES, help='one table alone')
     options = parser.parse_args()
-    tables = {'table own_truth': own_truth(), 'table model_phase': models()}
+    names = [options.only] if options.only else list(TABLES)
+    tables = {f'table {name}': TABLES[name]() for name in names}
     for text in tables.values():
         print(text)
     if options.page is not None:

@@ -20,12 +20,11 @@ from satvib_common.signals.integrator import leaky_integrator
 from satvib_control.laws.model_reference.rohrs import DT, UNSTABLE, simulate
 from satvib_control.model_analysis.dominant_mode import polarity
 from satvib_control.model_analysis.gain_bounds import gain_bounds
-from satvib_control.model_analysis.margins import margins
-from satvib_control.model_analysis.transfer import model_polynomials, multiply
+from satvib_control.model_analysis.margins import loop_response, margins
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import ClosedLoop
 from satvib_ident.models.iir_model import IirModel
-from satvib_plant_sim.responses.one_strut import discrete_strut_model
+from satvib_plant_sim.responses.one_strut import SampledModel, discrete_strut_model
 from satvib_plant_sim.rig.rig import load_rig
 
 CORNER = 0.5
@@ -36,26 +35,27 @@ plt.rcParams.update({
 })  # fmt: skip
 
 
-def strut_model(rig: str, rate: float | None = None) -> IirModel:
-    """The exact sampled model of the first strut; at another rate with the filter matched to it."""
+def sampled_strut(rig: str, rate: float | None = None) -> SampledModel:
+    """The exact sampled first strut; at another rate with the filter matched to it."""
     overrides: dict[str, float] = {}
     if rate is not None:
         fine = rate * max(1, round(4000.0 / rate))
         overrides |= {'acquisition.sample_rate': rate, 'acquisition.fine_rate': fine}
         if rig != 'paper_3dof':
             overrides['acquisition.filter_corner'] = 0.35 * rate
-    sampled = discrete_strut_model(load_rig(rig, overrides))
+    return discrete_strut_model(load_rig(rig, overrides))
+
+
+def model_of(sampled: SampledModel) -> IirModel:
+    """Give it as coefficients."""
     a, b, delay = sampled.coefficients()
     return IirModel(a, b, delay, sampled.dt)
 
 
-def loop_response(model: IirModel, gain: float, f: Array) -> Complex:
-    """L = K H G at f (Hz)."""
-    fb, fa = leaky_integrator(CORNER, model.dt)
-    b, a = model_polynomials(model)
-    zi = np.exp(-2j * np.pi * f * model.dt)
-    num, den = multiply(b, fb), multiply(a, fa)
-    return gain * np.polyval(num[::-1], zi) / np.polyval(den[::-1], zi)
+def rig_loop(sampled: SampledModel, gain: float, f: Array) -> Complex:
+    """L = K H G at f (Hz), with the rig's own response, not with the coefficients of a model."""
+    law = leaky_integrator(CORNER, sampled.dt)
+    return loop_response(sampled.response(f), *law, gain, 2.0 * np.pi * f * sampled.dt)
 
 
 def best_gain(model: IirModel, margin: float = 0.5) -> float:
@@ -78,9 +78,10 @@ def reach() -> None:
     )
     print('|---|---|---|---|---|---|---|')
     for rig, rate in REACH:
-        model = strut_model(rig, rate)
+        sampled = sampled_strut(rig, rate)
+        model = model_of(sampled)
         gain = best_gain(model)
-        s = -decibel(np.abs(1.0 + loop_response(model, gain, np.array([9.0, 10.0, 20.0]))))
+        s = -decibel(np.abs(1.0 + rig_loop(sampled, gain, np.array([9.0, 10.0, 20.0]))))
         margin = margins(model, *leaky_integrator(CORNER, model.dt), gain)
         late = f'{float(margin.delay) * 1e3:.1f}' if np.isfinite(margin.delay) else '|L| < 1'
         figures = ' | '.join(f'{x:.1f}' for x in s)
@@ -156,11 +157,12 @@ def figure_bounds(folder: Path) -> None:
     for ax, (rig, rate) in zip(
         axes, (('paper_3dof', None), ('clean_3dof', None), ('soft_3dof', None)), strict=True
     ):
-        model = strut_model(rig, rate)
+        sampled = sampled_strut(rig, rate)
+        model = model_of(sampled)
         f = np.geomspace(0.02, 0.5 / model.dt, 6000)
         gain = best_gain(model)
         for share, colour in ((1.0, COLOURS[0]), (1.4, COLOURS[1])):
-            curve = loop_response(model, share * gain, f)
+            curve = rig_loop(sampled, share * gain, f)
             ax.plot(
                 curve.real,
                 curve.imag,
@@ -191,9 +193,9 @@ def figure_reach(folder: Path) -> None:
         (axes[1], 'soft_3dof', (100.0, 200.0, 500.0, 1000.0)),
     ):
         for rate, colour in zip(rates, COLOURS, strict=False):
-            model = strut_model(rig, rate)
-            f = np.geomspace(1.0, 0.499 / model.dt, 1500)
-            s = -decibel(np.abs(1.0 + loop_response(model, best_gain(model), f)))
+            sampled = sampled_strut(rig, rate)
+            f = np.geomspace(1.0, 0.499 / sampled.dt, 1500)
+            s = -decibel(np.abs(1.0 + rig_loop(sampled, best_gain(model_of(sampled)), f)))
             ax.semilogx(f, s, color=colour, lw=1.3, label=f'{rate:.0f} Hz')
         ax.axhline(0.0, color='#444444', lw=0.8)
         ax.set(title=rig, xlabel='frequency [Hz]', ylim=(-40.0, 10.0))

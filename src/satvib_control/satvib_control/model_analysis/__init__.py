@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from satvib_control.model_analysis.dominant_mode import damping_gain, dominant_pole, polarity
     from satvib_control.model_analysis.gain_bounds import GainBounds
     from satvib_control.model_analysis.gain_projection import loop_grid, ray
-    from satvib_control.model_analysis.margins import Margins
+    from satvib_control.model_analysis.margins import Margins, loop_response
     from satvib_control.model_analysis.transfer import (
         broadcast_model,
         model_polynomials,
@@ -27,6 +27,7 @@ __all__ = [
     'damping_gain',
     'dominant_pole',
     'loop_grid',
+    'loop_response',
     'model_polynomials',
     'multiply',
     'polarity',

@@ -13,7 +13,8 @@ Closed loop, Eq. (40) with the signs of the identified model: with G = B/A, C_r 
 
     H = C_r G / (1 + C_y G),    S = 1 / (1 + C_y G).
 
-Sensitivities. Eq. (41) as printed lacks the squared denominator of dH/dK_i. The derivatives are
+Sensitivities. In Eq. (41) as printed the second term lacks the square of the denominator, and its sign is wrong: with
+H = -K_i P / (Q - K_i P), Eq. (40), dH/dK_i = -P / (Q - K_i P) - K_i P^2 / (Q - K_i P)^2. The derivatives are
 
     dH/dK_p = G S (1 - H),    dH/dK_i = F G S (1 - H),    dH/dK_d = -D G S H,
 
