@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex, Mask
-from satvib_common.errors import SatvibError
+from satvib_common.errors import SatvibError, printable
 from satvib_common.kernels.compile import kernel
 
 from satvib_ident.models.continuous_model import ContinuousModel, from_tustin, from_zero_order_hold
@@ -244,7 +244,8 @@ class IirModel:
             raise SatvibError(f'{where}: a mapping with {", ".join(known)} is expected')
         for key in mapping:
             if key not in known:
-                raise SatvibError(f'{where}: {key}: no such key (known: {", ".join(known)})')
+                shown = printable(str(key), 40)
+                raise SatvibError(f'{where}: {shown}: no such key (known: {", ".join(known)})')
         for key in known:
             if key not in mapping:
                 raise SatvibError(f'{where}: {key}: missing')
