@@ -29,7 +29,7 @@ def test_the_worst_trial_runs_again_as_a_live_graph(tmp_path, new_domain):
     words = shlex.split(worst['command'])
     scenario = load_scenario(words[2], [word for word in words[3:] if word != '--set'])
     with new_domain(tmp_path):
-        outcome = run_experiment(scenario, tmp_path / 'run')
+        outcome = run_experiment(scenario, tmp_path / 'run', composition='single')
     assert outcome.success, outcome.message
     voltage = np.ascontiguousarray(read_recording(outcome.bag).get('voltage', 'voltage'))
     found = np.uint64(14695981039346656037)

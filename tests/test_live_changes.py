@@ -19,7 +19,7 @@ def test_a_drawn_change_is_the_same_live(tmp_path, domain):  # noqa: ARG001
     scenario = scenario_of('soft_3dof', 'velocity_feedback', change, 48).replace(
         duration=16.0, composition='single', analysis=AnalysisSettings()
     )
-    outcome = run_experiment(scenario, tmp_path / 'run')
+    outcome = run_experiment(scenario, tmp_path / 'run', composition='single')
     assert outcome.success, outcome.message
     run = read_recording(outcome.bag)
     assert differences(run, simulate(scenario)) == []

@@ -33,7 +33,7 @@ def test_clipped_samples_live_and_in_the_twin(tmp_path, domain):  # noqa: ARG001
     from satvib_experiment.twin.closed_loop import simulate
 
     scenario = load_scenario('paper_3dof', SETTINGS)
-    outcome = run_experiment(scenario, tmp_path / 'run')
+    outcome = run_experiment(scenario, tmp_path / 'run', composition='single')
     assert outcome.success, outcome.message
     run = read_recording(outcome.bag)
     assert differences(run, simulate(scenario)) == []

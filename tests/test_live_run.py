@@ -70,8 +70,9 @@ def test_a_second_run_is_the_same_and_another_seed_is_not(live, tmp_path, new_do
 
     scenario, outcome, _ = live
     with new_domain(tmp_path):
-        again = run_experiment(scenario, tmp_path / 'again')
-        other = run_experiment(scenario.replace(seed=scenario.seed + 1), tmp_path / 'other')
+        again = run_experiment(scenario, tmp_path / 'again', composition='single')
+        changed = scenario.replace(seed=scenario.seed + 1)
+        other = run_experiment(changed, tmp_path / 'other', composition='single')
     first = recorded(outcome.bag)
     assert different_bits(first, recorded(again.bag)) == []
     assert 'acceleration.upper' in different_bits(first, recorded(other.bag))

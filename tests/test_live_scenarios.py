@@ -45,7 +45,7 @@ def check(name, folder, new_domain, *changes):
 
     scenario = load_scenario(name, list(changes))
     with new_domain(folder):
-        outcome = run_experiment(scenario, folder / 'run')
+        outcome = run_experiment(scenario, folder / 'run', composition='single')
     assert outcome.success, outcome.message
     run, twin = read_recording(outcome.bag), simulate(scenario)
     assert len(run.sequence) == len(twin.sequence)
