@@ -129,7 +129,7 @@ class SingleRun:
                 f'{name}: {error}', 2 if isinstance(error, SatvibError) else 1
             ) from None
         for strut in self.graph.struts:
-            reader = Reader(partial(self._track.take, strut), 1, raw=False)
+            reader = Reader(partial(self._track.take, strut), 0, raw=False)
             self._exchange.attach(f'/{strut}/progress', reader)
         began = time.monotonic()
         self._track.begin()

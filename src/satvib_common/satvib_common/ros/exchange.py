@@ -152,13 +152,21 @@ class Exchange:
         while True:
             now = time.monotonic()
             self._deliver(first, now + _SLICE)
-            queue = next((q for q in lower if q), None)
+            # the longest of those that are behind, else the first that waits
+            behind = max(lower, key=len)
+            queue = behind if len(behind) > _BEHIND else next((q for q in lower if q), None)
             if queue is None and not first:
                 return
             if queue is not None:
                 # one at a time, because a sample may come meanwhile; a long queue does not wait any longer
-                for _ in range(max(len(queue) - _BEHIND, 1)):
-                    self._hand_over(queue)
+                self._delivering = (
+                    True  # what these publish for the first rank has its turn afterwards
+                )
+                try:
+                    for _ in range(max(len(queue) - _BEHIND, 1)):
+                        self._hand_over(queue)
+                finally:
+                    self._delivering = False
             if time.monotonic() >= until:
                 return
 

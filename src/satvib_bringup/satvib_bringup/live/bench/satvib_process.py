@@ -41,12 +41,14 @@ def measure(plan: dict[str, Any]) -> dict[str, Any]:
         scenario, folder, plan['realtime'], progress=look, composition=plan['composition'],
         arrivals=arrivals,
     )  # fmt: skip
+    if pids and plan['composition'] == 'single':  # no process has ended
+        seen.append((time.perf_counter(), outcome.samples - 1, usage_of(pids)))
     if not outcome.success or len(seen) < 2:
         return {'failed': outcome.message or 'too short'}
-    (t0, k0, before), (t1, k1, after) = seen[0], seen[-1]
+    (_, k0, before), (_, k1, after) = seen[0], seen[-1]
     steps = max(k1 - k0, 1)
     return {
-        'samples_per_s': None if plan['realtime'] else steps / (t1 - t0),
+        'samples_per_s': None if plan['realtime'] else outcome.samples / outcome.wall_time,
         'cpu_of': {n: 1e3 * (after[n].cpu - before[n].cpu) / steps for n in after if n in before},
         'memory': max(u.memory for u in after.values()),
         'memory_all': sum(u.memory for u in after.values()),
