@@ -65,7 +65,7 @@ def test_the_feedback_does_not_move_the_cancellers_plant(make_isolator, make_loo
     d = np.sin(2 * np.pi * 12.0 * t) + 0.1 * np.random.default_rng(1).standard_normal(len(t))
     runs = {}
     for gain in (0.0, 150.0):
-        loop = summed(make_loop, settings, model, gain, switch_on_time=0.0)
+        loop = summed(make_loop, settings, model, gain, switch_on_time=0.0, watch_loudness=1000.0)
         ys, us = [], []
         for k in range(len(t)):
             y, _ = loop.step(d[k])
@@ -92,7 +92,8 @@ def test_a_gain_that_jumps_does_not_disturb_the_adaptation(make_isolator, make_l
     d = np.sin(2 * np.pi * 12.0 * t)
     weights = []
     for jump in (False, True):
-        loop = summed(make_loop, settings, model, 1e6 if jump else 0.0, switch_on_time=0.0)
+        gain = 1e6 if jump else 0.0
+        loop = summed(make_loop, settings, model, gain, switch_on_time=0.0, watch_loudness=1000.0)
         feedback = loop.core.law.parts[0]
         for k in range(len(t)):
             if jump and k > 2:

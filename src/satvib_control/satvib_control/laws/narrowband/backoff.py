@@ -209,6 +209,7 @@ def _learn_from_level(backoff, settings):
         shorter = backoff[Backoff.NEXT_HOLD] * (1.0 - 0.01 / pace)
         backoff[Backoff.NEXT_HOLD] = max(shorter, settings[Setting.FIRST_HOLD])
         backoff[Backoff.PROVEN] = 1.0
+        backoff[Backoff.SLOW] = max(backoff[Backoff.SLOW] * (1.0 - 0.05 / pace), 1.0)
 
 
 @njit
