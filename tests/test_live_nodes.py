@@ -393,6 +393,29 @@ def test_the_schedule_of_real_time_waits_for_who_comes_late(start, probe):
     assert [voltage.sequence for voltage in voltages[:100]] == list(range(100))
 
 
+def test_an_ended_node_is_gone_and_leaves_no_file(start, probe):
+    """Truth: the graph and the shared memory of before. The lease of DDS would keep an ended node for 20 s."""
+    from pathlib import Path
+
+    shared = Path('/dev/shm')
+
+    def mapped(pid):
+        lines = Path('/proc', str(pid), 'maps').read_text().splitlines()
+        return {Path(line.split()[-1]).name for line in lines if '/dev/shm/fastrtps_' in line}
+
+    for package, executable in (CONTROLLER, IDENTIFIER, PLANT):
+        before = {path.name for path in shared.iterdir()}
+        names = set(probe.node.get_node_names())
+        process = start(package, executable, '/strut_1' if package != 'satvib_plant_sim' else '/')
+        probe.wait(lambda executable=executable: executable in probe.node.get_node_names())
+        mine = mapped(process.popen.pid) - before
+        assert mine, 'Fast DDS uses shared memory here'
+        process.send(signal.SIGINT)
+        assert process.wait() == 0, process.said
+        probe.wait(lambda names=names: set(probe.node.get_node_names()) == names, limit=10.0)
+        assert not mine & {path.name for path in shared.iterdir()}
+
+
 def test_a_schedule_from_a_stranger_changes_nothing(start, probe):
     """Truth: the rules of `ScheduleGate`. Plant and controller go on for 300 samples, in the phase that they had.
 

@@ -25,7 +25,7 @@ from satvib_common.errors import RunError, SatvibError
 from satvib_common.realtime import settle_memory
 from satvib_common.ros.endpoints import Output
 from satvib_common.ros.exchange import Exchange, Reader
-from satvib_common.ros.host import Host
+from satvib_common.ros.host import Host, close_nodes
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.place import placed
 from satvib_common.ros.qos import offered
@@ -96,12 +96,12 @@ class SingleRun:
         trace: TracebackType | None,
     ) -> None:
         """Leave nothing behind."""
+        if self._host is not None:
+            self._host.close()
+        self._host = None
+        close_nodes(self._nodes)
         with contextlib.suppress(Exception):
-            if self._host is not None:
-                self._host.close()
-        for node in (*self._nodes, self._runner):
-            with contextlib.suppress(Exception):
-                node.destroy_node()
+            self._runner.destroy_node()
         rclpy.try_shutdown(context=self._context)
 
     @property

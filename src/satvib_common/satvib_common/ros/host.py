@@ -7,6 +7,7 @@ without a time limit dispatches nothing (a defect of rclpy 7.1), so it spins in 
 """
 
 import contextlib
+import gc
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -34,6 +35,19 @@ def make_executor(context: Context | None = None) -> Executor:
     except ImportError:  # before rclpy 7.1.4
         return SingleThreadedExecutor(context=context)
     return EventsExecutor(context=context)
+
+
+def close_nodes(nodes: list[SatvibNode[Any]]) -> None:
+    """Destroy nodes with all that keeps them alive, and empty the list."""
+    for node in nodes:
+        with contextlib.suppress(Exception):
+            node.destroy_node()
+        with contextlib.suppress(Exception):
+            # rclpy offers no other way to it
+            vars(node).pop('_state_machine').destroy_when_not_in_use()
+    nodes.clear()
+    gc.unfreeze()
+    gc.collect()
 
 
 class Host:
@@ -105,9 +119,15 @@ class Host:
         self._acknowledge()
 
     def close(self) -> None:
-        """Leave nothing behind."""
+        """Leave nothing behind: the nodes vanish from the graph, and so do their files in shared memory.
+
+        The executor and the state machine of a lifecycle node keep the participant of DDS alive; without this, an ended
+        node stays in the graph until its lease is over, some twenty seconds.
+        """
         with contextlib.suppress(Exception):
             self._executor.shutdown(0.0)
+        del self._executor
+        close_nodes(self.nodes)
 
     def _wake(self) -> None:
         self.nodes[0].wake_up()

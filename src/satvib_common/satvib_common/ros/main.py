@@ -6,7 +6,6 @@ With rclpy's own signal handling the context is gone before the safe state can b
 SIGINT and SIGTERM are handled here, also when a shell has set them to be ignored.
 """
 
-import contextlib
 import faulthandler
 import signal
 import sys
@@ -21,7 +20,7 @@ from rclpy.signals import SignalHandlerOptions
 from satvib_common.errors import RunError, SatvibError
 from satvib_common.realtime import set_niceness, set_priority, set_processor, settle_memory
 from satvib_common.ros.exchange import Exchange
-from satvib_common.ros.host import Host
+from satvib_common.ros.host import Host, close_nodes
 from satvib_common.ros.node import DRAIN, SatvibNode
 from satvib_common.ros.place import placed
 
@@ -58,22 +57,24 @@ def _until_the_end(makes: Sequence[Make], args: Sequence[str] | None) -> int:
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     exchange = Exchange() if len(makes) > 1 else None
     nodes: list[SatvibNode[Any]] = []
+    host: Host | None = None
     try:
         for make in makes:
             with placed(exchange):
                 nodes.append(make())
         signals.attach(nodes)
-        return _run(Host(nodes, exchange))
+        host = Host(nodes, exchange)
+        return _run(host)
     except (SatvibError, RunError) as error:
         failed = [node.get_name() for node in nodes if node.failure] or [Path(sys.argv[0]).stem]
         _say(failed[0], str(error))
         return 2 if isinstance(error, SatvibError) else 1
     finally:
-        for node in nodes:
-            with contextlib.suppress(Exception):
-                node.destroy_node()
-        rclpy.try_shutdown()
         signals.ignore()
+        if host is not None:
+            host.close()
+        close_nodes(nodes)
+        rclpy.try_shutdown()
 
 
 def _run(host: Host) -> int:
