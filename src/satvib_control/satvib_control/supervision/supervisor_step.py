@@ -5,9 +5,9 @@
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 from satvib_common.arrays import Array
 from satvib_common.kernels.compile import kernel
+from satvib_common.kernels.deferred import njit
 
 LEVEL_TIME = 0.5  # s
 QUICK_TIME = 0.06  # s

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from satvib_common.kernels.deferred import for_compiler
 from satvib_plant_sim.rig.rig import load_rig
 from satvib_plant_sim.stepping.design import DRIVING, LANES
 from satvib_plant_sim.stepping.discretize import discretize
@@ -23,13 +24,14 @@ def test_vector_step_has_the_bits_of_the_plain_loop(n, stages):
     step = rng.normal(size=(DRIVING, rows))
     step[size + 4 :] = 0.0
     chain = rng.normal(size=(stages, stages))
-    fast = vector_step(n, stages)
+    # as a kernel has them: compiled
+    fast, loop = for_compiler(vector_step(n, stages)), for_compiler(any_step)
     used = [*range(size), *range(DRIVING, rows)]
     for _ in range(200):
         x = rng.normal(size=rows) * 10.0 ** rng.integers(-8, 8, rows)
         y, plain = np.zeros(rows), np.zeros(rows)
         fast(step, chain, x, y)
-        any_step(step, chain, x, plain, size)
+        loop(step, chain, x, plain, size)
         assert y[used].tobytes() == plain[used].tobytes()
 
 
@@ -43,7 +45,7 @@ def test_the_plain_loop_is_the_matrix_product():
     step = design.step.copy()
     step[size : size + 2] = rng.normal(size=(2, step.shape[1]))
     y = np.zeros_like(x)
-    any_step(step, design.chain, x, y, size)
+    for_compiler(any_step)(step, design.chain, x, y, size)
     for r in (*range(size), *range(DRIVING, len(x))):
         terms = [step[c, r] * x[c] for c in order(size)]
         if r >= DRIVING:
@@ -60,6 +62,7 @@ def test_fma_rounds_once():
     exact = [
         float(Fraction(x) * Fraction(y) + Fraction(z)) for x, y, z in zip(a, b, c, strict=True)
     ]
-    found = [fma(x, y, z) for x, y, z in zip(a, b, c, strict=True)]
+    compiled = for_compiler(fma)
+    found = [compiled(x, y, z) for x, y, z in zip(a, b, c, strict=True)]
     assert found == exact
     assert any(value != 0.0 for value in found)

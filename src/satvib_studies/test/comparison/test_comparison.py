@@ -22,7 +22,8 @@ from satvib_studies.comparison.tables import attenuation_table, plain, tables
 SHORT = [
     'seeds=2', 'base.duration=10', 'event=6.5',
     'windows={before: [6.0, 6.5], after: [6.5, 8.0], settled: [9.0, 10.0]}',
-    'base.phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 0.5}, {phase: CONTROL, start: 3.5}]',
+    # the open loop is heard before CONTROL, as in the whole comparison
+    'base.phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 0.5}, {phase: STANDBY, start: 3.5}, {phase: CONTROL, start: 5}]',
     'base.disturbance={kind: sine, frequency: 9.0, amplitude: 0.5, start: 3.5}',
 ]  # fmt: skip
 
