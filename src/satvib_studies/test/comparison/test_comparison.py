@@ -23,7 +23,10 @@ SHORT = [
     'seeds=2', 'base.duration=10', 'event=6.5',
     'windows={before: [6.0, 6.5], after: [6.5, 8.0], settled: [9.0, 10.0]}',
     # the open loop is heard before CONTROL, as in the whole comparison
-    'base.phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 0.5}, {phase: STANDBY, start: 3.5}, {phase: CONTROL, start: 5}]',
+    (
+        'base.phases=[{phase: CALIBRATE}, {phase: IDENTIFY, start: 0.5}, {phase: STANDBY, start: 3.5}, '
+        '{phase: CONTROL, start: 5}]'
+    ),
     'base.disturbance={kind: sine, frequency: 9.0, amplitude: 0.5, start: 3.5}',
 ]  # fmt: skip
 

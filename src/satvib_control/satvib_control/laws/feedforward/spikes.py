@@ -32,7 +32,7 @@ from satvib_common.kernels.deferred import njit
 SPIKE = 25.0  # power over its mean; five standard deviations
 SPIKE_TIME = 3.0  # s, of the means
 FIRST_TIME = 1.0  # s, a plain mean without a limit
-HOLD_TIME = 1.0  # s without learning: the taps and the integrals hold the shock
+HOLD_TIME = 0.5  # s without learning: the taps and the integrals hold the shock
 LONG_TIME, SHORT_TIME = 5.0, 0.3  # s
 SHOCK_TIME = (
     0.3  # s from its first sample; once, so that no growth can hide as one shock after another
