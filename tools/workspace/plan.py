@@ -14,8 +14,11 @@ from workspace.imports import Sources
 KERNEL = re.compile(r'^\s*(?:@|.*=\s*)kernel\(', re.MULTILINE)
 COMPILED = re.compile(r'\bn?jit\b|kernel\(')
 ENTRY = re.compile(r"=\s*([\w.]+_node):main'")
-# the scenario of the demo is loaded, and its law with it
-SCENARIO = 'from satvib_experiment import load_scenario; load_scenario("paper_3dof")'
+# the scenarios of the demo are loaded, and their laws with them
+SCENARIO = (
+    'from satvib_experiment.report import comparison; from satvib_experiment import load_scenario; '
+    '[load_scenario(name) for name in ("paper_3dof", *comparison.BESIDE)]'
+)
 
 
 class Need(enum.Enum):

@@ -133,18 +133,55 @@ def _style(kind: str) -> str | None:
     return 'bold' if kind.startswith('true') else None
 
 
+def show_shortfalls(console: Console, result: dict[str, Any]) -> None:
+    """Print what makes a run worthless."""
+    for line in result['shortfalls']:
+        console.print(f'THIS RUN IS NO RESULT: {line}', style='bold red')
+
+
 def show_result(console: Console, result: dict[str, Any]) -> None:
     """Print the table of a run and what must be known about it.
 
     What makes the run worthless comes first.
     """
-    for line in result['shortfalls']:
-        console.print(f'THIS RUN IS NO RESULT: {line}', style='bold red')
+    show_shortfalls(console, result)
     console.print(result_table(result))
     if result['reference_source']:
         console.print(f'to compare: {result["reference_source"]}', style='dim')
     for note in result['notes']:
         console.print(f'• {note}')
+
+
+def comparison_table(result: dict[str, Any]) -> Table:
+    """Give the table of the runs beside one another, from what result.json holds."""
+    from satvib_experiment.report.comparison import HOLDS, OF_THE_PAPER
+
+    table = Table(title='attenuation of the worst strut in dB, negative is better')
+    table.add_column('law')
+    table.add_column('samples and output')
+    for name in ('tone\nmeasured', 'tone\ntrue', 'rms\ntrue'):
+        table.add_column(name, justify='right', style=_style(name[-4:]))
+    table.add_column('the paper', justify='right')
+    for row in result['comparison']:
+        paper = row['paper']
+        table.add_row(
+            f"{row['law']}, the paper's" if row['law'] == OF_THE_PAPER else row['law'],
+            f'{row["rate"]:g} Hz, {HOLDS[row["hold"]]}',
+            *(decibels(value) for value in row['attenuation'].values()),
+            f'{paper[0]:.1f} to {paper[1]:.1f}' if paper else '',
+        )
+    return table
+
+
+def show_comparison(console: Console, result: dict[str, Any]) -> None:
+    """Print the runs beside one another, what must be known, and why they differ."""
+    from satvib_experiment.report.comparison import WHY
+
+    show_shortfalls(console, result)
+    for note in result['notes']:
+        console.print(f'• {note}')
+    console.print(comparison_table(result))
+    console.print(WHY)
 
 
 def show_page(console: Console, page: Path) -> None:

@@ -227,3 +227,25 @@ def test_a_bad_csv_is_one_line_and_exit_2(satvib, tmp_path):
     refused(satvib('identify', tmp_path / 'no.csv', '--input', 'u', '--output', 'y'), 'no.csv')
     path.write_bytes(b'\xff\xfe\x00\x01')
     refused(satvib('identify', path, '--input', 'u', '--output', 'y'), 'no data')
+
+
+def test_the_table_of_the_demo_shows_what_the_paper_reports_beside_what_is_reached(capsys):
+    """Truth: the row that goes in."""
+    from satvib_bringup.cli.console import make_console, show_comparison
+
+    row = {
+        'scenario': 'paper_3dof', 'rate': 100.0, 'hold': 'zero', 'law': 'model_reference',
+        'attenuation': {'measured_tone': -4.4, 'true_tone': -4.9, 'true_rms': None},
+        'paper': (-23.35, -29.28),
+    }  # fmt: skip
+    show_comparison(make_console(), {'shortfalls': [], 'notes': ['a note'], 'comparison': [row]})
+    out = capsys.readouterr().out
+    for words in (
+        "model_reference, the paper's",
+        '100 Hz, steps',
+        '-4.4',
+        '-4.9',
+        '-23.4 to -29.3',
+        'a note',
+    ):
+        assert words in out

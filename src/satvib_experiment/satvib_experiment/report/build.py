@@ -13,6 +13,7 @@ from satvib_common.errors import SatvibError
 from satvib_experiment.analysis.analysis import analyse
 from satvib_experiment.analysis.evaluation import Evaluation
 from satvib_experiment.recording.recording import Recording
+from satvib_experiment.report.comparison import Row, row_of
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.drawing import Drawing
 from satvib_experiment.report.page import write_page
@@ -52,6 +53,7 @@ def write_report(
     folder: Path,
     drawing: Drawing | None = None,
     analysed: Callable[[dict[str, Any]], None] | None = None,
+    beside: Callable[[], list[Row]] | None = None,
 ) -> Report:
     """Analyse a run and write its report.
 
@@ -60,6 +62,7 @@ def write_report(
         folder: where to; made when it is not there.
         drawing: who draws; None: processes that start now.
         analysed: called with what result.json holds, before the figures are drawn.
+        beside: gives the runs that are shown beside this one.
 
     Raises:
         SatvibError: there is a report already, the folder cannot be written, or the run is too short.
@@ -68,7 +71,10 @@ def write_report(
     page = folder / 'report.html'
     with contextlib.nullcontext(drawing) if drawing else Drawing() as hands:
         evaluation, open_loop = analyse(recording)
-        context = Context(recording, open_loop, evaluation)
+        rows: tuple[Row, ...] = ()
+        if beside is not None and recording.scenario is not None:
+            rows = (row_of(recording.scenario, evaluation), *beside())
+        context = Context(recording, open_loop, evaluation, rows)
         figures = folder / 'figures'
         try:
             figures.mkdir(parents=True)

@@ -11,15 +11,17 @@ from satvib_common.phases import Phase
 from satvib_experiment.analysis.evaluation import Evaluation
 from satvib_experiment.recording.recording import Recording
 from satvib_experiment.recording.signals import fine, without_bias
+from satvib_experiment.report.comparison import Row
 
 
 @dataclass(frozen=True)
 class Context:
-    """A run, its open-loop twin when there is one, and its figures."""
+    """A run, its open-loop twin when there is one, its figures, and the runs that are shown beside it."""
 
     recording: Recording
     open_loop: Recording | None
     evaluation: Evaluation
+    comparison: tuple[Row, ...] = ()
 
     @property
     def struts(self) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.struts.names import strut_label
 
 from satvib_experiment.analysis.evaluation import KINDS
+from satvib_experiment.report.comparison import HOLDS, OF_THE_PAPER, WHY
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.figures.registry import Drawn
 from satvib_experiment.report.models import TRUST
@@ -73,6 +74,9 @@ def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], p
     kinds = [k for k in KINDS if any(s['attenuation'][k] is not None for s in result['struts'])]
     text = environment.get_template('page.html').render(
         result=result,
+        why=WHY,
+        holds=HOLDS,
+        of_the_paper=OF_THE_PAPER,
         description=context.recording.scenario.description if context.recording.scenario else '',
         kinds=sorted(kinds, key=lambda k: list(KIND_HEADINGS).index(k)),
         headings=KIND_HEADINGS,

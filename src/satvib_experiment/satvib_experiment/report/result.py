@@ -14,6 +14,7 @@ from satvib_common.errors import SatvibError
 
 from satvib_experiment.analysis.evaluation import KINDS
 from satvib_experiment.analysis.shortfalls import shortfalls
+from satvib_experiment.report.comparison import plain
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.models import model_summary
 
@@ -46,6 +47,7 @@ def result_mapping(context: Context) -> dict[str, Any]:
             'counts': recording.counts,
             'shortfalls': shortfalls(recording),
             'notes': e.notes,
+            'comparison': plain(context.comparison) or None,
             'phases': [
                 {'phase': phase.name, 'start': start, 'end': end}
                 for phase, start, end in recording.phases()

@@ -38,8 +38,12 @@ def demo(
     realtime: Realtime = False,
     composition: Composition = '',
 ) -> None:
-    """The paper's 3-DOF experiment, live: one plant, three identifiers, three controllers, a bag, a report."""
-    _run('paper_3dof', settings, folder, realtime, composition)
+    """The paper's 3-DOF experiment, live, then beside the laws of this project and an acquisition built for the job.
+
+    The paper's part is a graph of processes with a bag; the others are simulated, with the same seed. One table and one
+    report show them beside one another.
+    """
+    _run('paper_3dof', settings, folder, realtime, composition, beside=True)
 
 
 def run(
@@ -59,11 +63,17 @@ def run(
 
 
 def _run(
-    name: str, settings: list[str] | None, folder: Path | None, realtime: bool, composition: str
+    name: str,
+    settings: list[str] | None,
+    folder: Path | None,
+    realtime: bool,
+    composition: str,
+    beside: bool = False,
 ) -> None:
     from satvib_experiment.recording.bag_reader import read_recording
     from satvib_experiment.recording.run_folder import free_run_folder, write_scenario
     from satvib_experiment.report.build import write_report
+    from satvib_experiment.report.comparison import simulated_rows
     from satvib_experiment.report.drawing import Drawing
     from satvib_experiment.scenario.scenario import load_scenario
 
@@ -71,6 +81,7 @@ def _run(
         NO_RESULT,
         ProgressView,
         make_console,
+        show_comparison,
         show_page,
         show_result,
     )
@@ -94,9 +105,9 @@ def _run(
         raise error(f'{outcome.message}; logs and what was recorded are in {target}')
     console.print(outcome.message, style='dim')
     with Drawing() as drawing:
-        report = write_report(
-            read_recording(target), target, drawing, partial(show_result, console)
-        )
+        show = partial(show_comparison if beside else show_result, console)
+        others = partial(simulated_rows, settings=[f'seed={scenario.seed}']) if beside else None
+        report = write_report(read_recording(target), target, drawing, show, others)
     show_page(console, report.page)
     if report.result['shortfalls']:
         raise typer.Exit(NO_RESULT)
