@@ -22,10 +22,7 @@ from satvib_experiment.analysis.levels import tone_level
 from satvib_experiment.recording.signals import fine
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import simulate, simulate_open_loop
-from satvib_plant_sim.disturbance.base import Disturbance
-from satvib_plant_sim.disturbance.factory import make_disturbance
-from satvib_plant_sim.plant.plant import Plant
-from satvib_plant_sim.rig.rig import Rig
+from satvib_plant_sim.responses.best_command import best_command
 from satvib_studies.sweep.tables import fill, plain_markdown
 from scipy.signal import butter, sosfilt
 
@@ -126,32 +123,6 @@ SLOW = {
 TONES = ((6.5, 200), (10.0, 10), (20.0, 5))  # Hz; samples after which a held command repeats
 
 
-def _periodic(rig: Rig, disturbance: Disturbance, voltages: Array) -> Array:
-    """True acceleration (fine samples, struts) over a period of voltages (period,), in the steady state."""
-    plant, period = Plant(rig, disturbance, 1), len(voltages)
-    settled = -(-400 // period) * period
-    found = []
-    for k in range(settled + period):
-        truth = plant.advance(np.full(plant.struts, voltages[k % period]))
-        if k >= settled:
-            found.append(truth.upper.T)
-    return np.concatenate(found)
-
-
-def best_command(rig: Rig, frequency: float, period: int) -> float:
-    """The least true RMS, dB, that a command of that period leaves, worst strut; by least squares on the plant."""
-    tone = make_disturbance({'kind': 'sine', 'frequency': frequency, 'amplitude': 1.0})
-    d = _periodic(rig, tone, np.zeros(period))
-    pulse = _periodic(rig, make_disturbance({'kind': 'none'}), np.eye(period)[0])
-    fine_steps = len(pulse) // period
-    worst = -math.inf
-    for i in range(d.shape[1]):
-        effects = np.stack([np.roll(pulse[:, i], fine_steps * k) for k in range(period)], axis=1)
-        u = np.linalg.lstsq(effects, -d[:, i], rcond=None)[0]
-        worst = max(worst, float(decibel(rms(d[:, i] + effects @ u), rms(d[:, i]))))
-    return worst
-
-
 def serving() -> str:
     """Law narrowband serving the samples or the payload, beside the best periodic command."""
     rows = []
@@ -169,7 +140,12 @@ def serving() -> str:
                 cells.append(f'{volts:.1f}')
             assert run.rig is not None
             rows.append(
-                [name, f'{frequency:g}', f'{best_command(run.rig, frequency, period):.1f}', *cells]
+                [
+                    name,
+                    f'{frequency:g}',
+                    f'{np.max(best_command(run.rig, frequency, period)):.1f}',
+                    *cells,
+                ]
             )
     heads = ['rig', 'tone [Hz]', 'best command, true']
     for serve in ('samples', 'payload'):

@@ -45,8 +45,20 @@ class Stage(IntEnum):
     RECORDER = 3
 
 
+class _Named:
+    """What has a namespace and a name."""
+
+    namespace: str
+    name: str
+
+    @property
+    def full_name(self) -> str:
+        """Namespace and name, as shown to people: strut_1/strut_controller."""
+        return f'{self.namespace}/{self.name}'.lstrip('/')
+
+
 @dataclass(frozen=True)
-class NodeSpec:
+class NodeSpec(_Named):
     """One node.
 
     Attributes:
@@ -67,11 +79,6 @@ class NodeSpec:
     struts: tuple[str, ...]
 
     @property
-    def full_name(self) -> str:
-        """Namespace and name, as shown to people: strut_1/strut_controller."""
-        return f'{self.namespace}/{self.name}'.lstrip('/')
-
-    @property
     def reads(self) -> frozenset[str]:
         """Topics of the loop that it reads, absolute."""
         found = frozenset({'/schedule', *self._absolute(_TOPICS[self.executable][0])})
@@ -89,7 +96,7 @@ class NodeSpec:
 
 
 @dataclass(frozen=True)
-class Process:
+class Process(_Named):
     """One process.
 
     Attributes:
@@ -104,11 +111,6 @@ class Process:
     namespace: str
     name: str
     nodes: tuple[NodeSpec, ...]
-
-    @property
-    def full_name(self) -> str:
-        """Namespace and name, as shown to people: strut_1/strut_controller."""
-        return f'{self.namespace}/{self.name}'.lstrip('/')
 
     @property
     def stage(self) -> Stage:

@@ -7,109 +7,21 @@ Truth: the rules of docs/serial_protocol.md. What is written and read is real; t
 
 import os
 import select
-import threading
-import tty
 
 import numpy as np
 import pytest
-from satvib_common.errors import SatvibError
 from satvib_daq_bridge.back_ends.base import BackEndError
-from satvib_daq_bridge.back_ends.factory import make_back_end
 from satvib_daq_bridge.back_ends.serial_port import PORTION
-from satvib_daq_bridge.channels import parse_channels
-from satvib_daq_bridge.protocol.framing import FrameReader, frame
+from satvib_daq_bridge.protocol.framing import frame
 from satvib_daq_bridge.protocol.messages import Configure, Hold, parse
-from satvib_daq_bridge.simulated.channels_from_rig import channels_of
-from satvib_daq_bridge.simulated.device import Device
-from satvib_daq_bridge.simulated.emulated_board import identity_of
 from satvib_plant_sim.rig.rig import load_rig
 
 RIG = load_rig('paper_3dof')
 PERIOD, LIFETIME = 0.005, 0.02
 
 
-class Bench:
-    """A device on a pseudo-terminal, served by a thread until the back end is open, then by hand."""
-
-    def __init__(self, **changes):
-        self.master, self.slave = os.openpty()
-        tty.setraw(self.slave)
-        os.set_blocking(self.master, False)
-        self.path = os.ttyname(self.slave)
-        self.device = Device(identity_of(RIG))
-        self.now = 1000
-        options = changes.pop('options', {'patience': 2.0})
-        data = channels_of(RIG, 'serial', self.path, options, **changes)
-        self.back_end = make_back_end(parse_channels(data, 'test'), PERIOD, LIFETIME)
-        self.heard = FrameReader()
-
-    def open(self):
-        over = threading.Event()
-        server = threading.Thread(target=self._serve, args=(over,))
-        server.start()
-        try:
-            found = self.back_end.open()
-            self.back_end.start(self.now / 1e6)
-        finally:
-            over.set()
-            server.join()
-        return found
-
-    def _serve(self, over):
-        while not over.is_set():
-            self.to_device()
-
-    def from_host(self):
-        """All that the host has written; the kernel hands it on a moment later."""
-        found, patience = b'', 0.05
-        while select.select([self.master], [], [], patience)[0]:
-            found += os.read(self.master, 65536)
-            patience = 0.001
-        return found
-
-    def to_device(self):
-        self.to_host(self.device.receive(self.from_host(), self.now))
-
-    def to_host(self, data):
-        """Write what the line takes; gives the rest."""
-        try:
-            return data[os.write(self.master, data) :] if data else b''
-        except BlockingIOError:
-            return data
-
-    def sample(self, volts=2.5):
-        """The device's next sample, as bytes."""
-        self.now += round(PERIOD * 1e6)
-        return self.device.take_sample((round(volts * 1e6),) * 6, self.now)
-
-    def poll(self, late=0.0):
-        """All that the device has written."""
-        found, patience = [], 0.05
-        while select.select([self.back_end.fileno()], [], [], patience)[0]:
-            found += self.back_end.poll(self.now / 1e6 + 0.001 + late)
-            patience = 0.001
-        return found
-
-    def write(self, volts, sequence, enable=True):
-        self.back_end.write(np.array(volts), sequence, enable, 0.0)
-
-    def close(self):
-        self.back_end.close()
-        for fd in (self.master, self.slave):
-            if fd >= 0:
-                os.close(fd)
-
-
-@pytest.fixture
-def bench():
-    made = Bench()
-    made.open()
-    yield made
-    made.close()
-
-
-def test_open_and_start_tell_the_device_what_the_channels_say():
-    made = Bench(options={'hold': 'linear'})
+def test_open_and_start_tell_the_device_what_the_channels_say(new_bench):
+    made = new_bench(options={'hold': 'linear'})
     assert 'satvib emulator on /dev/' in made.open()
     setup = made.device.configured
     assert isinstance(setup, Configure)
@@ -364,51 +276,6 @@ def test_numbers_and_clocks_wrap(bench):
     bench.write([1.0] * 3, got[-1].sequence)
     bench.to_device()
     assert bench.device.targets[0] == 1_000_000.0
-
-
-def test_nobody_there_is_said_in_one_line():
-    data = channels_of(RIG, 'serial', '/dev/nowhere')
-    absent = make_back_end(parse_channels(data, 'test'), PERIOD, LIFETIME)
-    with pytest.raises(SatvibError, match='/dev/nowhere: the port cannot be opened'):
-        absent.open()
-    mute = Bench(options={'patience': 0.3})
-    with pytest.raises(SatvibError, match=r'no satvib device answers within 0\.3 s'):
-        mute.back_end.open()
-    mute.close()
-
-
-@pytest.mark.parametrize(
-    ('changes', 'message'),
-    [
-        ({'sensor': {'range': [-10.0, 10.0]}}, r'strut_1\.upper\.range: -10 to 10 V, but the device'),
-        ({'coil': {'range': [-5.0, 5.0], 'limit': 5.0}}, r'strut_1\.coil\.range: -5 to 5 V, but'),
-    ],
-)  # fmt: skip
-def test_a_device_with_other_ranges_is_refused_by_name(changes, message):
-    made = Bench(**changes)
-    with pytest.raises(SatvibError, match=message):
-        made.open()
-    made.close()
-
-
-def test_a_port_in_use_is_refused(bench):
-    data = channels_of(RIG, 'serial', bench.path)
-    with pytest.raises(SatvibError, match='the port cannot be opened'):
-        make_back_end(parse_channels(data, 'test'), PERIOD, LIFETIME).open()
-
-
-def test_a_rate_that_the_device_cannot_do_is_refused():
-    made = Bench()
-    made.back_end.period = 1e-4
-    with pytest.raises(SatvibError, match=r'refuses the set-up \(period\)'):
-        made.open()
-    made.close()
-
-
-def test_options_are_checked():
-    data = channels_of(RIG, 'serial', '/dev/x', {'hold': 'cubic'})
-    with pytest.raises(SatvibError, match=r'test: options: hold: .cubic. is not one of'):
-        make_back_end(parse_channels(data, 'test'), PERIOD, LIFETIME)
 
 
 def test_every_frame_of_a_session_parses(bench):

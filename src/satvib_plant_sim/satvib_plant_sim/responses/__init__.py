@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         rig_response,
         sampled_rig,
     )
+    from satvib_plant_sim.responses.best_command import best_command, periodic_response
     from satvib_plant_sim.responses.continuous import (
         StateSpace,
         frequency_response,
@@ -36,11 +37,13 @@ __all__ = [
     'SampledModel',
     'SampledRig',
     'StateSpace',
+    'best_command',
     'discrete_strut_model',
     'frequency_response',
     'hold_response',
     'lines',
     'payload_weight',
+    'periodic_response',
     'rig_response',
     'sampled_rig',
     'source_transfer',

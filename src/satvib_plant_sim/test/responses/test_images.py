@@ -5,8 +5,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from satvib_plant_sim.disturbance import make_disturbance
-from satvib_plant_sim.plant.plant import Plant
+from satvib_plant_sim.responses.best_command import best_command
 from satvib_plant_sim.responses.images import (
     IMAGES,
     hold_response,
@@ -27,29 +26,6 @@ RIGS = {
 }  # fmt: skip
 
 
-def periodic(rig, disturbance, voltages):
-    """True acceleration of strut 1 (fine samples) over a period of the voltages, in the steady state."""
-    plant, period = Plant(rig, disturbance, 1), len(voltages)
-    settled = -(-400 // period) * period
-    found = []
-    for k in range(settled + period):
-        truth = plant.advance(np.full(plant.struts, voltages[k % period]))
-        if k >= settled:
-            found.append(truth.upper[0])
-    return np.concatenate(found)
-
-
-def best_command(rig, frequency, period):
-    """The least level, dB, that voltages of that period leave: least squares on the simulated plant, no formula."""
-    shaken = {'kind': 'sine', 'frequency': frequency, 'amplitude': 1.0}
-    d = periodic(rig, make_disturbance(shaken), np.zeros(period))
-    pulse = periodic(rig, make_disturbance(None), np.eye(period)[0])
-    fine = len(pulse) // period
-    effects = np.stack([np.roll(pulse, fine * i) for i in range(period)], axis=1)
-    u = np.linalg.lstsq(effects, -d, rcond=None)[0]
-    return 20 * np.log10(np.std(d + effects @ u) / np.std(d))
-
-
 def left(rig, frequency, weight):
     """Level, dB, that struts with u = -W d / G_1, d = y - G_1 u leave, from the lines alone."""
     true, read, own = lines(rig, 0, frequency)
@@ -67,7 +43,7 @@ def test_the_weighted_law_is_as_good_as_the_best_periodic_command(rig, frequency
     """Truth: least squares over all voltages of that period, on the plant's own fine grid. 0.1 dB: its 4 kHz against
     the lines up to 6 kHz. Without the weight the law of the samples is worse."""
     rig = load_rig(*RIGS[rig])
-    best = best_command(rig, frequency, period)
+    best = best_command(rig, frequency, period)[0]
     assert left(rig, frequency, payload_weight(rig, frequency)[0]) == pytest.approx(best, abs=0.1)
     assert left(rig, frequency, 1.0) > best + 0.2
 

@@ -50,11 +50,12 @@ def rows(case: dict[str, Any]) -> tuple[list[str], list[list[str]]]:
 
 def markdown(found: dict[str, Any]) -> str:
     """Give all tables as Markdown."""
-    machine = found['machine']
+    machine, rounds = found['machine'], found['rounds']
+    medians = f'medians of {rounds} rounds, and how far p99 scatters'
     lines = [
         (
-            f'{machine["processors"]} processors, Python {machine["python"]}; medians of '
-            f'{found["rounds"]} rounds, and how far p99 scatters.'
+            f'{machine["processors"]} processors, Python {machine["python"]}; '
+            f'{medians if rounds > 1 else "one round"}.'
         ),
     ]
     for case in found['cases']:
