@@ -2,18 +2,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a node publishes with and listens with: the middleware, and the exchange where nodes share a process."""
 
+import time
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.duration import Duration
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.subscription import Subscription
 
+from satvib_common.errors import RunError
 from satvib_common.ros.exchange import Exchange, Reader
 from satvib_common.ros.qos import overridable
 
-_PATIENCE = Duration(seconds=3.0)  # with a reader that has ended without a word
+# s, with a reader that takes nothing; one that has ended without a word is forgotten after 20 s
+_PATIENCE = 30.0
+_AT_ONCE = 0.02  # s; an error that comes sooner is no lack of room
 
 
 class Output:
@@ -23,21 +27,22 @@ class Output:
         publisher: of the middleware; one of a managed node publishes while it is activated.
         exchange: of this process; None: the node is alone in it.
         spared: nobody waits for these messages, so that they go out only while they are read.
-        paced: never run ahead of a reader by more than the writer keeps. In lockstep nothing else holds the loop back
-            when a recorder does not keep up, and what is overwritten is lost.
+        given_up: of a writer that overwrites nothing (`qos.offered`, `paced`), and so waits for a reader that is as
+            far behind as it keeps: whether it need not wait any longer. In lockstep nothing else holds the loop back
+            when a recorder does not keep up. None: it waits for nobody.
     """
 
     def __init__(
-        self, publisher: Any, exchange: Exchange | None, spared: bool, paced: bool = False
-    ) -> None:
+        self, publisher: Any, exchange: Exchange | None, spared: bool,
+        given_up: Callable[[], bool] | None = None,
+    ) -> None:  # fmt: skip
         self.publisher: Any = publisher
         self.topic_name: str = publisher.topic_name
         self._exchange = exchange
         self._topic = exchange.topic(self.topic_name) if exchange else None
         if self._topic is not None:
             self._topic.writers += 1
-        depth = publisher.qos_profile.depth
-        self._ahead, self._most_ahead = 0, depth * 4 // 5 if paced and depth > 1 else 0
+        self._given_up = given_up
         self._spared = spared or (
             exchange is not None and exchange.closed and publisher.qos_profile.depth > 1
         )
@@ -50,15 +55,35 @@ class Output:
             assert self._exchange is not None
             text = self._exchange.send(topic, message)
         if not self._spared or publisher.get_subscription_count() > 0:
-            publisher.publish(message if text is None else text)
-            if self._most_ahead:
-                self._keep_pace()
+            sent = message if text is None else text
+            if self._given_up is None:
+                publisher.publish(sent)
+            else:
+                self._publish_in_pace(sent, self._given_up)
 
-    def _keep_pace(self) -> None:
-        self._ahead += 1
-        if self._ahead >= self._most_ahead:
-            self.publisher.wait_for_all_acked(_PATIENCE)
-            self._ahead = 0
+    def _publish_in_pace(self, message: Any, given_up: Callable[[], bool]) -> None:
+        """Publish as soon as the readers have made room; the middleware waits for 0.1 s each time.
+
+        Raises:
+            RunError: they do not.
+            RCLError: the middleware refuses for another reason.
+        """
+        began = tried = time.monotonic()
+        while not given_up():
+            try:
+                self.publisher.publish(message)
+            except rclpy_implementation.RCLError:
+                now = time.monotonic()
+                if now - tried < _AT_ONCE:
+                    raise
+                if now - began > _PATIENCE:
+                    raise RunError(
+                        f'{self.topic_name}: a reader has taken nothing for {_PATIENCE:g} s, and in '
+                        'lockstep all wait for every reader; end that reader'
+                    ) from None
+                tried = now
+            else:
+                return
 
     def is_read(self) -> bool:
         """Whether it is worth while to fill in a message."""

@@ -142,11 +142,12 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         self, kind: Any, topic: str, qos: QoSProfile | None = None, spared: bool = False
     ) -> Output:
         """Make a publisher that lives until `cleanup`; a spared one sends nothing while nobody reads it."""
+        paced = qos is None and bool(getattr(self.parameters, 'lockstep', False))
         publisher = self.create_lifecycle_publisher(
-            kind, topic, qos or offered(), qos_overriding_options=overridable()
+            kind, topic, qos or offered(paced=paced), qos_overriding_options=overridable()
         )
-        paced = bool(getattr(self.parameters, 'lockstep', False))
-        self._writers.append(Output(publisher, self._exchange, spared, paced))
+        given_up = (lambda: self.ended) if paced else None
+        self._writers.append(Output(publisher, self._exchange, spared, given_up))
         return self._writers[-1]
 
     def listen_to(

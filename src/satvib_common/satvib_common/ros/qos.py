@@ -21,18 +21,23 @@ _POLICIES = (
 )
 
 
-def _reliable(depth: int, durability: DurabilityPolicy) -> QoSProfile:
+def _reliable(
+    depth: int,
+    durability: DurabilityPolicy,
+    history: HistoryPolicy = HistoryPolicy.KEEP_LAST,
+) -> QoSProfile:
     return QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
+        history=history,
         depth=depth,
         reliability=ReliabilityPolicy.RELIABLE,
         durability=durability,
     )
 
 
-def offered(depth: int = DEPTH) -> QoSProfile:
-    """What a publisher offers."""
-    return _reliable(depth, DurabilityPolicy.TRANSIENT_LOCAL)
+def offered(depth: int = DEPTH, paced: bool = False) -> QoSProfile:
+    """What a publisher offers; `paced`: it waits for the readers instead of overwriting what they have not received."""
+    history = HistoryPolicy.KEEP_ALL if paced else HistoryPolicy.KEEP_LAST
+    return _reliable(depth, DurabilityPolicy.TRANSIENT_LOCAL, history)
 
 
 def wanted(whole: bool, depth: int = DEPTH) -> QoSProfile:
