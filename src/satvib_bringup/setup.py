@@ -26,13 +26,13 @@ setup(
     extras_require={'test': ['pytest']},
     entry_points={
         'console_scripts': [
-            'satvib = satvib_bringup.cli.main:main',
-            'strut = satvib_bringup.nodes.strut:main',
-            'single = satvib_bringup.nodes.single:main',
-            'recorder = satvib_bringup.nodes.recorder_node:main',
-            'experiment = satvib_bringup.nodes.experiment_node:main',
-            'schedule = satvib_bringup.nodes.schedule_node:main',
-            'replay = satvib_bringup.nodes.replay_node:main',
+            'satvib = satvib_bringup.start:satvib',
+            'strut = satvib_bringup.start:strut',
+            'single = satvib_bringup.start:single',
+            'recorder = satvib_bringup.start:recorder',
+            'experiment = satvib_bringup.start:experiment',
+            'schedule = satvib_bringup.start:schedule',
+            'replay = satvib_bringup.start:replay',
         ],
     },
 )

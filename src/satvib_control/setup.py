@@ -25,9 +25,9 @@ setup(
     extras_require={'test': ['pytest']},
     entry_points={
         'console_scripts': [
-            'strut_controller = satvib_control.nodes.strut_controller_node:main',
-            'supervisor = satvib_control.nodes.supervisor_node:main',
-            'centralized_controller = satvib_control.nodes.centralized_controller_node:main',
+            'strut_controller = satvib_control.start:strut_controller',
+            'supervisor = satvib_control.start:supervisor',
+            'centralized_controller = satvib_control.start:centralized_controller',
         ],
     },
 )

@@ -22,8 +22,8 @@ setup(
     extras_require={'test': ['pytest'], 'nidaqmx': ['nidaqmx[grpc]'], 'iio': ['pylibiio<1']},
     entry_points={
         'console_scripts': [
-            'daq_bridge = satvib_daq_bridge.nodes.daq_bridge_node:main',
-            'daq_emulator = satvib_daq_bridge.simulated.emulator:main',
+            'daq_bridge = satvib_daq_bridge.start:daq_bridge',
+            'daq_emulator = satvib_daq_bridge.start:daq_emulator',
         ],
     },
 )

@@ -25,7 +25,7 @@ setup(
     extras_require={'test': ['pytest']},
     entry_points={
         'console_scripts': [
-            'strut_identifier = satvib_ident.nodes.strut_identifier_node:main',
+            'strut_identifier = satvib_ident.start:strut_identifier',
         ],
     },
 )

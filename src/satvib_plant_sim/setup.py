@@ -26,7 +26,7 @@ setup(
     extras_require={'test': ['pytest']},
     entry_points={
         'console_scripts': [
-            'plant_sim = satvib_plant_sim.nodes.plant_sim_node:main',
+            'plant_sim = satvib_plant_sim.start:plant_sim',
         ],
     },
 )

@@ -83,7 +83,7 @@ def run_experiment(
         _refuse_foreign_nodes(observer.discovery)
         make_run_folder(folder)
         run = _Run(graph, folder, bag, interrupted)
-        with Supervisor(folder / 'logs', graph_environment()) as supervisor:
+        with Supervisor(folder / 'logs', graph_environment(), take_signals=True) as supervisor:
             return run.go(supervisor, observer, commands, progress)
 
 

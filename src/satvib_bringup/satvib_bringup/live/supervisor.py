@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from satvib_common.errors import SatvibError
+from satvib_common.process.start import start_with_blocked_signals
 
 _PR_SET_PDEATHSIG = 1
 _LIBC = ctypes.CDLL(None, use_errno=True)
@@ -69,10 +70,17 @@ class Supervisor:
     Args:
         logs: folder for one log file per process; it is made.
         environment: of the children; None: the caller's own.
+        take_signals: the children begin with `starter`, so that signals can be kept for them until they take them.
     """
 
-    def __init__(self, logs: Path, environment: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self,
+        logs: Path,
+        environment: Mapping[str, str] | None = None,
+        take_signals: bool = False,
+    ) -> None:
         self.logs = logs
+        self.take_signals = take_signals
         self.environment = environment
         self._children: dict[str, _Child] = {}
         logs.mkdir(parents=True, exist_ok=True)
@@ -103,7 +111,7 @@ class Supervisor:
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
                 env=None if self.environment is None else dict(self.environment),
-                preexec_fn=_end_with(os.getpid()),
+                preexec_fn=_end_with(os.getpid(), self.take_signals),
             )
         except OSError as error:
             sink.close()
@@ -160,7 +168,7 @@ def _signal(child: _Child, number: signal.Signals) -> None:
         os.killpg(child.popen.pid, number)
 
 
-def _end_with(parent: int) -> Callable[[], Any]:
+def _end_with(parent: int, take_signals: bool) -> Callable[[], Any]:
     """Make what a child does before it becomes the program: ask for SIGTERM when its parent ends."""
     prctl, sigterm = _LIBC.prctl, int(signal.SIGTERM)
 
@@ -168,6 +176,8 @@ def _end_with(parent: int) -> Callable[[], Any]:
         prctl(_PR_SET_PDEATHSIG, sigterm, 0, 0, 0)
         if os.getppid() != parent:  # the parent ended before the request
             os._exit(1)
+        if take_signals:
+            start_with_blocked_signals()
 
     return before
 

@@ -30,14 +30,17 @@ def main() -> None:
     parser.add_argument('--bag', type=Path)
     # what launch adds is for nodes that are alone in their process
     given, _ = parser.parse_known_args()
+    interrupted = threading.Event()
     try:
         scenario = load_scenario(given.scenario, given.set)
         graph = graph_of(scenario, given.realtime, given.bag, 'single')
         use_profiles()
-        with SingleRun(graph) as run, interruptible(threading.Event()) as interrupted:
+        with SingleRun(graph) as run, interruptible(interrupted):
             run.start()
             run.run(interrupted, None)
     except (SatvibError, RunError) as error:
+        if interrupted.is_set():  # the end that was asked for, as of any node
+            return
         sys.stderr.write(f'single: {error}\n')
         sys.exit(2 if isinstance(error, SatvibError) else getattr(error, 'code', 1))
 

@@ -9,6 +9,7 @@ SIGINT and SIGTERM are handled here, also when a shell has set them to be ignore
 import faulthandler
 import signal
 import sys
+import time
 from collections.abc import Callable, Sequence
 from os import _exit
 from pathlib import Path
@@ -26,6 +27,8 @@ from satvib_common.ros.place import placed
 
 # s, how long anything may take after the signal before the process ends regardless
 _LAST_RESORT = DRAIN + 5.0
+# s, in which two SIGINT are one
+_ONE_HAND = 1.0
 # in real time, of a process by the first rank of its nodes; plant and controllers go first
 NICENESS = (0, 5, 10)
 
@@ -62,6 +65,8 @@ def _until_the_end(makes: Sequence[Make], args: Sequence[str] | None) -> int:
         for make in makes:
             with placed(exchange):
                 nodes.append(make())
+            if signals.arrived:
+                return 0
         signals.attach(nodes)
         host = Host(nodes, exchange)
         return _run(host)
@@ -102,12 +107,17 @@ def _say(name: str, line: str) -> None:
 
 
 class _Signals:
-    """SIGINT and SIGTERM end the node; before there is one they end the process at once."""
+    """SIGINT and SIGTERM end the nodes; while there are none yet, what is being made is finished and taken apart.
+
+    SIGTERM may come several times: the kernel sends it once for each thread of a parent that has ended. SIGINT may come
+    twice, from the terminal and from a launcher. Another SIGINT after a second is a person's who does not want to wait.
+    """
 
     def __init__(self) -> None:
         self._nodes: list[SatvibNode[Any]] = []
+        self.arrived = 0.0  # s of the steady clock; 0: not yet
         for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._arrived)
+            signal.signal(number, self._on_signal)
 
     def ignore(self) -> None:
         """Ignore further signals, which would change the exit code."""
@@ -116,16 +126,20 @@ class _Signals:
 
     def attach(self, nodes: list[SatvibNode[Any]]) -> None:
         self._nodes = nodes
+        if self.arrived:
+            self._end()
 
-    def _arrived(self, number: int, _frame: object) -> None:
-        if not self._nodes:
-            _exit(0)
-        if any(node.ended for node in self._nodes):
-            # SIGTERM may come several times: the kernel sends it once for each thread of a parent that has ended
-            if number == signal.SIGINT:
+    def _on_signal(self, number: int, _frame: object) -> None:
+        now = time.monotonic()
+        if self.arrived:
+            if number == signal.SIGINT and now - self.arrived > _ONE_HAND:
                 _exit(130)
             return
+        self.arrived = now
         # a thread of its own that needs neither the interpreter nor its locks; it prints where the process was
         faulthandler.dump_traceback_later(_LAST_RESORT, exit=True)
+        self._end()
+
+    def _end(self) -> None:
         for node in self._nodes:
             node.interrupt()

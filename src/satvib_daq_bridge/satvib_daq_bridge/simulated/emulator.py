@@ -62,6 +62,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument('--log', type=Path, help='write when outputs were enabled and zeroed')
     parser.add_argument('--truth', type=Path, help='save what the plant really did (.npz)')
     given = parser.parse_args(arguments)
+    over = False
+
+    def end(_: int, __: FrameType | None) -> None:
+        nonlocal over
+        over = True
+
+    signal.signal(signal.SIGTERM, end)
+    signal.signal(signal.SIGINT, end)
     try:
         rig = load_rig(given.rig, parse_settings(given.set, '--set'))
         disturbance = parse_yaml(given.disturbance, '--disturbance')
@@ -71,14 +79,6 @@ def main(arguments: list[str] | None = None) -> int:
     except (SatvibError, ValueError, OSError) as error:
         sys.stderr.write(f'daq_emulator: {error}\n')
         return 2
-    over = False
-
-    def end(_: int, __: FrameType | None) -> None:
-        nonlocal over
-        over = True
-
-    signal.signal(signal.SIGTERM, end)
-    signal.signal(signal.SIGINT, end)
     sys.stdout.write(f'ready {path}\n')
     sys.stdout.flush()
     while not over:

@@ -1,0 +1,13 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""How processes begin, so that a signal ends them cleanly at every moment."""
+
+from typing import TYPE_CHECKING
+
+from satvib_common.door import door
+
+if TYPE_CHECKING:
+    from satvib_common.process.start import start_with_blocked_signals, starter
+
+__all__ = ['start_with_blocked_signals', 'starter']
+__getattr__, __dir__ = door(__name__, __file__)
