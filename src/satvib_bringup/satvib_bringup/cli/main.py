@@ -17,11 +17,13 @@ from satvib_bringup.cli.commands import (
     compare,
     identify,
     listing,
+    node,
     report,
     run,
     simulate,
     study,
     table,
+    topics,
     tune,
 )
 from satvib_bringup.cli.last_resort import EXIT_CODE, is_switched_off, last_resort, show
@@ -45,6 +47,8 @@ app.command('campaign', short_help='Run thousands of drawn trials.')(campaign.ca
 app.command('tune', short_help='Find gains of the centralized law.')(tune.tune)
 app.command('compare', short_help='Compare control schemes.')(compare.compare)
 app.command('bench', short_help='How fast the live graph is on this machine.')(bench.bench)
+app.command('node', short_help='Start any node.', context_settings=node.SETTINGS)(node.node)
+app.add_typer(topics.app, name='topics', short_help='Topics of a running graph: list, rate, echo.')
 app.command('scenarios')(listing.scenarios)
 app.command('rigs')(listing.rigs)
 

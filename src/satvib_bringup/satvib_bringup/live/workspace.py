@@ -9,6 +9,7 @@ from ament_index_python.packages import (
     PackageNotFoundError,
     get_package_prefix,
     get_package_share_directory,
+    get_packages_with_prefixes,
 )
 from satvib_common.errors import SatvibError
 
@@ -31,6 +32,17 @@ def executable(package: str, name: str) -> Path:
     if not path.is_file():
         raise SatvibError(f'{path}: missing; build the workspace again with colcon build')
     return path
+
+
+def executables() -> dict[str, list[str]]:
+    """Installed executables of the packages of satvib, by package; packages without one are left out."""
+    found = {}
+    for package, prefix in get_packages_with_prefixes().items():
+        folder = Path(prefix, 'lib', package)
+        if package.startswith('satvib_') and folder.is_dir():
+            names = [path.name for path in folder.iterdir() if os.access(path, os.X_OK)]
+            found[package] = sorted(set(names) - {'satvib'})
+    return {package: names for package, names in found.items() if names}
 
 
 def graph_environment() -> dict[str, str]:
