@@ -17,15 +17,14 @@ from satvib_bringup.cli.commands import (
     compare,
     identify,
     listing,
-    node,
     report,
     run,
     simulate,
     study,
     table,
-    topics,
     tune,
 )
+from satvib_bringup.cli.commands.graph import node, topics
 from satvib_bringup.cli.last_resort import EXIT_CODE, is_switched_off, last_resort, show
 
 app = typer.Typer(
