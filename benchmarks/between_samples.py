@@ -22,7 +22,7 @@ from satvib_experiment.analysis.levels import tone_level
 from satvib_experiment.recording.signals import fine
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import simulate, simulate_open_loop
-from satvib_plant_sim.responses.best_command import best_command
+from satvib_plant_sim.responses.periodic import best_command
 from satvib_studies.sweep.tables import fill, plain_markdown
 from scipy.signal import butter, sosfilt
 

@@ -78,7 +78,7 @@ def main() -> int:
     figures = {}
     with tempfile.TemporaryDirectory() as folder:
         # a killed controller counts as a publisher until its lease ends: make that short
-        profiles = (ROOT / 'src/satvib_bringup/config/fastdds.xml').read_text()
+        profiles = (ROOT / 'src/satvib_common/satvib_common/transport/closed.xml').read_text()
         quick = Path(folder, 'profiles.xml')
         quick.write_text(profiles.replace('<leaseDuration><sec>20<', '<leaseDuration><sec>2<'))
         os.environ['FASTRTPS_DEFAULT_PROFILES_FILE'] = str(quick)

@@ -190,7 +190,8 @@ def main() -> int:
     given = parser.parse_args()
     os.environ.setdefault('ROS_DOMAIN_ID', '94')
     os.environ.setdefault(
-        'FASTRTPS_DEFAULT_PROFILES_FILE', str(ROOT / 'src/satvib_bringup/config/fastdds.xml')
+        'FASTRTPS_DEFAULT_PROFILES_FILE',
+        str(ROOT / 'src/satvib_common/satvib_common/transport/closed.xml'),
     )
     scenario = load_scenario(given.scenario, given.set)
     graph = graph_of(scenario, realtime=True)

@@ -45,14 +45,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def own_domain(folder: Path) -> Iterator[None]:
     """A free ROS domain, logs in a folder, message fields checked."""
     from domain_coordinator import domain_id
+    from satvib_common.transport.reach import PROFILES, RANGE, set_transport
 
     with domain_id(lambda: random.randint(1, 100)) as number, pytest.MonkeyPatch.context() as patch:
         patch.setenv('ROS_DOMAIN_ID', str(number))
         patch.setenv('ROS_LOG_DIR', str(folder / 'ros_log'))
         patch.setenv('ROS_PYTHON_CHECK_FIELDS', '1')
-        from satvib_bringup.live.workspace import use_profiles
-
-        use_profiles()
+        chosen = dict(os.environ)
+        set_transport(chosen)
+        for name in (PROFILES, RANGE):
+            if name in chosen:
+                patch.setenv(name, chosen[name])
         yield
 
 

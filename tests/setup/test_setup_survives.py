@@ -170,3 +170,17 @@ def test_a_folder_that_cannot_be_written_is_named(monkeypatch, capsys):
     said = capsys.readouterr().err
     assert said.count('\n') == 1
     assert '/proc/satvib' in said
+
+
+def test_links_to_files_that_are_gone_do_not_stop_the_build(monkeypatch, tmp_path):
+    """Truth: setup.py lists a folder with glob, which gives a link whose file is gone, and then cannot copy it."""
+    from workspace import build
+
+    (tmp_path / 'kept').touch()
+    folder = tmp_path / 'build' / 'package' / 'config'
+    folder.mkdir(parents=True)
+    (folder / 'kept.xml').symlink_to(tmp_path / 'kept')
+    (folder / 'gone.xml').symlink_to(tmp_path / 'gone')
+    monkeypatch.setattr(build, 'ROOT', tmp_path)
+    build.drop_loose_links()
+    assert [path.name for path in folder.glob('*.xml')] == ['kept.xml']

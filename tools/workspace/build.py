@@ -66,6 +66,7 @@ def build(own_ros: bool) -> None:
         for name in TREES:
             remove(ROOT / name)
         write_whole(ground, requirements)
+    drop_loose_links()
     UNFINISHED.touch()
     try:
         run(['bash', '-c', colcon(own_ros)], 'colcon build', build_environment())
@@ -77,6 +78,16 @@ def build(own_ros: bool) -> None:
     write_environment(clean_environment())
     write_whole(stamp, wanted)
     say(f'workspace built in {time.monotonic() - started:.0f} s')
+
+
+def drop_loose_links() -> None:
+    """Remove links of an older build whose files are gone: setup.py would list them, and then not find them."""
+    for name in TREES:
+        for folder, below, files in os.walk(ROOT / name):
+            for entry in (*below, *files):
+                path = Path(folder, entry)
+                if path.is_symlink() and not path.exists():
+                    path.unlink()
 
 
 def colcon(own_ros: bool) -> str:

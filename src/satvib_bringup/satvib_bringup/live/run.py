@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from satvib_common.errors import SatvibError
+from satvib_common.transport.reach import set_transport
 from satvib_experiment.recording.run_folder import make_run_folder
 from satvib_experiment.scenario.scenario import Scenario
 
@@ -29,7 +30,7 @@ from satvib_bringup.live.process import Process, Stage
 from satvib_bringup.live.progress import Outcome, Progress
 from satvib_bringup.live.single import EndedError, SingleRun
 from satvib_bringup.live.supervisor import Supervisor
-from satvib_bringup.live.workspace import executable, graph_environment, use_profiles
+from satvib_bringup.live.workspace import executable, graph_environment
 from satvib_bringup.recorder.check import complaint, read_report
 from satvib_bringup.recorder.salvage import is_finished, salvage
 
@@ -73,7 +74,7 @@ def run_experiment(
     bag = folder / 'bag' if record else None
     graph = graph_of(scenario, realtime, bag, composition, arrivals)
     commands = {p.full_name: executable(p.package, p.executable) for p in graph.processes}
-    use_profiles()
+    set_transport()
     if not graph.processes:
         with SingleRun(graph) as single, interruptible(cancel) as interrupted:
             _refuse_foreign_nodes(single.discovery)

@@ -8,12 +8,10 @@ from pathlib import Path
 from ament_index_python.packages import (
     PackageNotFoundError,
     get_package_prefix,
-    get_package_share_directory,
     get_packages_with_prefixes,
 )
 from satvib_common.errors import SatvibError
-
-_PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE'
+from satvib_common.transport.reach import set_transport
 
 
 def executable(package: str, name: str) -> Path:
@@ -48,18 +46,11 @@ def executables() -> dict[str, list[str]]:
 def graph_environment() -> dict[str, str]:
     """Environment of the graph's processes.
 
-    One computing thread each, for nine processes share the machine, and the settings of Fast DDS that make discovery
-    fast, unless the user has settings.
+    One computing thread each, for nine processes share the machine, and the transport that the user's settings ask for.
     """
     found = dict(os.environ)
     for name in ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS', 'NUMBA_NUM_THREADS'):
         found.setdefault(name, '1')
-    profiles = Path(get_package_share_directory('satvib_bringup'), 'config', 'fastdds.xml')
-    found.setdefault(_PROFILES, str(profiles))
+    set_transport(found)
     found['PYTHONUNBUFFERED'] = '1'
     return found
-
-
-def use_profiles() -> None:
-    """Let this process use the same settings of Fast DDS; before its first node."""
-    os.environ.setdefault(_PROFILES, graph_environment()[_PROFILES])

@@ -13,12 +13,12 @@ import threading
 from pathlib import Path
 
 from satvib_common.errors import RunError, SatvibError
+from satvib_common.transport.reach import set_transport
 from satvib_experiment.scenario.scenario import load_scenario
 
 from satvib_bringup.live.graph import graph_of
 from satvib_bringup.live.run import interruptible
 from satvib_bringup.live.single import SingleRun
-from satvib_bringup.live.workspace import use_profiles
 
 
 def main() -> None:
@@ -34,7 +34,7 @@ def main() -> None:
     try:
         scenario = load_scenario(given.scenario, given.set)
         graph = graph_of(scenario, given.realtime, given.bag, 'single')
-        use_profiles()
+        set_transport()
         with SingleRun(graph) as run, interruptible(interrupted):
             run.start()
             run.run(interrupted, None)

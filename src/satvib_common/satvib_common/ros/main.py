@@ -24,6 +24,7 @@ from satvib_common.ros.exchange import Exchange
 from satvib_common.ros.host import Host, close_nodes
 from satvib_common.ros.node import DRAIN, SatvibNode
 from satvib_common.ros.place import placed
+from satvib_common.transport.reach import set_transport, warning
 
 # s, how long anything may take after the signal before the process ends regardless
 _LAST_RESORT = DRAIN + 5.0
@@ -57,6 +58,7 @@ def run_nodes(makes: Sequence[Make], args: Sequence[str] | None = None) -> NoRet
 
 def _until_the_end(makes: Sequence[Make], args: Sequence[str] | None) -> int:
     signals = _Signals()
+    reach = set_transport()
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     exchange = Exchange() if len(makes) > 1 else None
     nodes: list[SatvibNode[Any]] = []
@@ -67,6 +69,8 @@ def _until_the_end(makes: Sequence[Make], args: Sequence[str] | None) -> int:
                 nodes.append(make())
             if signals.arrived:
                 return 0
+        if line := warning(reach):
+            nodes[0].get_logger().warning(line)
         signals.attach(nodes)
         host = Host(nodes, exchange)
         return _run(host)

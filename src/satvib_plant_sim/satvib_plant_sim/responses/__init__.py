@@ -13,7 +13,6 @@ if TYPE_CHECKING:
         rig_response,
         sampled_rig,
     )
-    from satvib_plant_sim.responses.best_command import best_command, periodic_response
     from satvib_plant_sim.responses.continuous import (
         StateSpace,
         frequency_response,
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
         discrete_strut_model,
         strut_response,
     )
+    from satvib_plant_sim.responses.periodic import best_command, periodic_response
 
 __all__ = [
     'RigResponse',

@@ -5,7 +5,6 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from satvib_plant_sim.responses.best_command import best_command
 from satvib_plant_sim.responses.images import (
     IMAGES,
     hold_response,
@@ -14,6 +13,7 @@ from satvib_plant_sim.responses.images import (
     weight_table,
 )
 from satvib_plant_sim.responses.one_strut import strut_response
+from satvib_plant_sim.responses.periodic import best_command
 from satvib_plant_sim.rig.rig import load_rig
 
 RIGS = {

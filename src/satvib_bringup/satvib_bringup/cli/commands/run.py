@@ -90,6 +90,10 @@ def _run(
     target = free_run_folder(scenario.name, folder)
     run_experiment = _experiment()
     console = make_console()
+    from satvib_common.transport.reach import set_transport, warning
+
+    if line := warning(set_transport()):
+        console.print(line, style='yellow')
     with ProgressView(console, scenario.duration, f'run {scenario.name}') as view:
         outcome = run_experiment(
             scenario,

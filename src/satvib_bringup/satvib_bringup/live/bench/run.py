@@ -10,10 +10,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from satvib_common.transport.reach import set_transport
+
 from satvib_bringup.live.bench.case import Case, Figures, medians
 from satvib_bringup.live.bench.floor import run_floor
 from satvib_bringup.live.bench.satvib_graph import run_satvib
-from satvib_bringup.live.workspace import use_profiles
 
 Runner = Callable[[Case, str, Path], Figures]
 
@@ -32,7 +33,7 @@ def bench(
         What the JSON file holds: the machine, and for each case and graph its figures, their span, their ratio to the
         first floor, and every single run.
     """
-    use_profiles()
+    set_transport()
     found = []
     for case in cases:
         runs: dict[str, list[Figures]] = {}

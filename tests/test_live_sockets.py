@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which sockets a node has. Truth: the kernel's own lists, /proc/PID/net and the descriptors of the process."""
+
+import contextlib
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+LOOPBACK = '0100007F'
+# a node of somebody else, with the settings that ROS has by itself
+FOREIGNER = """
+import rclpy
+from rcl_interfaces.srv import GetParameters
+
+rclpy.init()
+node = rclpy.create_node('foreigner')
+client = node.create_client(GetParameters, '/plant_sim/get_parameters')
+while not client.wait_for_service(1.0):
+    pass
+while True:
+    answer = client.call_async(GetParameters.Request(names=['rig']))
+    rclpy.spin_until_future_complete(node, answer, timeout_sec=5.0)
+    if answer.done():
+        break
+print(answer.result().values[0].string_value)
+"""
+
+
+@contextlib.contextmanager
+def plain_node(folder, monkeypatch, discovery_range):
+    """plant_sim as `ros2 run` starts it, without any setting of ours, and the file with what it says."""
+    from satvib_bringup.live.workspace import executable
+
+    monkeypatch.delenv('FASTRTPS_DEFAULT_PROFILES_FILE', raising=False)
+    monkeypatch.delenv('ROS_AUTOMATIC_DISCOVERY_RANGE', raising=False)
+    if discovery_range is not None:
+        monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', discovery_range)
+    log = folder / 'plant.log'
+    with log.open('wb') as sink:
+        command = [str(executable('satvib_plant_sim', 'plant_sim'))]
+        process = subprocess.Popen(command, stdout=sink, stderr=subprocess.STDOUT, cwd=folder)
+        try:
+            yield process, log
+        finally:
+            process.kill()
+            process.wait()
+
+
+def sockets(pid: int) -> set[str]:
+    """Local addresses (hexadecimal, as the kernel writes them) of the UDP and TCP sockets of a process."""
+    inodes = set()
+    for link in Path(f'/proc/{pid}/fd').iterdir():
+        try:
+            if found := re.fullmatch(r'socket:\[(\d+)\]', str(link.readlink())):
+                inodes.add(found[1])
+        except FileNotFoundError:
+            continue
+    addresses = set()
+    for kind in ('udp', 'udp6', 'tcp', 'tcp6'):
+        table = Path(f'/proc/{pid}/net/{kind}')
+        for line in table.read_text().splitlines()[1:] if table.exists() else ():
+            fields = line.split()
+            if fields[9] in inodes:
+                addresses.add(fields[1].partition(':')[0])
+    return addresses
+
+
+@pytest.mark.parametrize(
+    ('discovery_range', 'closed'), [(None, True), ('LOCALHOST', True), ('SUBNET', False)]
+)
+def test_a_node_listens_on_the_loopback_interface_alone(
+    domain,  # noqa: ARG001
+    probe,
+    tmp_path,
+    monkeypatch,
+    discovery_range,
+    closed,
+):
+    """However it was started: `ros2 run` sets no variable, ./satvib sets LOCALHOST. SUBNET opens it, and it says so."""
+    with plain_node(tmp_path, monkeypatch, discovery_range) as (process, log):
+        assert probe.state_of('/plant_sim') == 'active'
+        found = sockets(process.pid)
+        assert found
+        assert (found == {LOOPBACK}) == closed, found
+        assert ('the graph is open' in log.read_text()) != closed
+
+
+@pytest.mark.parametrize('discovery_range', [None, 'LOCALHOST'])
+def test_tools_with_the_settings_of_ros_reach_a_closed_graph(
+    domain,  # noqa: ARG001
+    tmp_path,
+    monkeypatch,
+    discovery_range,
+):
+    """`ros2 topic echo`, rqt, PlotJuggler: on the same machine they need no setting of ours."""
+    with plain_node(tmp_path, monkeypatch, discovery_range):
+        done = subprocess.run(
+            [sys.executable, '-c', FOREIGNER],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=True,
+        )
+    assert done.stdout.strip() == 'paper_3dof'
