@@ -7,10 +7,8 @@
 
 A subclass builds its core and its publishers in `configure`, and its subscriptions in `activate`. So an inactive node
 costs nothing, and a node that is activated late still receives everything. With `autostart` (the default) a node
-activates itself.
-
-A node is alone in its process, or shares it with others; it is made at its place (`place`), and its messages go through
-`endpoints`, so that no node needs to know.
+activates itself. A node is alone in its process, or shares it with others; it is made at its place (`place`), and its
+messages go through `endpoints`, so that no node needs to know.
 
 Every end of a node goes through `finish`, which sets the exit code and the last line of the process. Callbacks are
 registered through `guarded`: a `SatvibError` or `RunError` in a callback ends the process with that one line and no
