@@ -96,9 +96,12 @@ class _Slot(IntEnum):
     ALARMS = 13
     PACE = 14  # of the adaptation, 0 to 1
     GIVEN_UP = 15  # how many times it has given up
+    FOLLOWING = 16  # state of the next sample
 
 
-class _Sample(NamedTuple):
+class Judged(NamedTuple):
+    """One sample of one item, see `Backoff.step`."""
+
     error: float
     reference: float
     effect: float
@@ -107,7 +110,9 @@ class _Sample(NamedTuple):
     acting: bool
 
 
-class _Settings(NamedTuple):
+class Settings(NamedTuple):
+    """See `Backoff.tune`."""
+
     window: float
     ratio: float
     floor: float
@@ -251,35 +256,53 @@ def _wait(memory):
     return BackoffState.GIVEN_UP if memory[_Slot.LEFT] > 0.0 else BackoffState.LISTEN
 
 
-@kernel(
-    'void(f8, f8, f8, b1, b1, b1, f8[:], i8, f8[:], i8[:], i8[:], b1[:])',
-    '(),(),(),(),(),(),(n),(),(m)->(),(),()',
-    writable=('memory',),
-)
-def _step(
-    error, reference, effect, cut, valid, acting, settings, state, memory, following, now, loud
-):
-    """Judge one sample of one item; see `Backoff.step`, and `now` there is `state` here."""
-    sample = _Sample(error, reference, effect, cut, valid, acting)
-    given = _Settings(settings[0], settings[1], settings[2])
-    loud[0] = False
-    now[0] = state
-    if state == BackoffState.RESTART:
-        now[0] = _restart(given.window, memory)
+@njit
+def judge(sample, settings, memory):
+    """Judge one sample of one item; see `Backoff.step`: gives its state, and whether the reference is loud."""
+    states, loud = np.empty(2, np.int64), False
+    now, following = states[:1], states[1:]
+    now[0] = int(memory[_Slot.FOLLOWING])
+    if now[0] == BackoffState.RESTART:
+        now[0] = _restart(settings.window, memory)
     following[0] = now[0]
     if now[0] == BackoffState.LISTEN:
-        following[0], loud[0] = _listen(sample, given, memory)
+        following[0], loud = _listen(sample, settings, memory)
     elif now[0] == BackoffState.ACT:
-        following[0], loud[0] = _act(sample, given, memory)
+        following[0], loud = _act(sample, settings, memory)
     elif now[0] == BackoffState.FADE:
-        following[0] = _fade(given.window, memory)
+        following[0] = _fade(settings.window, memory)
     elif now[0] == BackoffState.RING_DOWN:
         following[0] = _ring_down(sample, memory)
     elif now[0] == BackoffState.GIVEN_UP:
         following[0] = _wait(memory)
+    memory[_Slot.FOLLOWING] = following[0]
     # FADE and RESTART begin on the very sample that causes them
     if following[0] == BackoffState.FADE or following[0] == BackoffState.RESTART:
         now[0] = following[0]
+    return now[0], loud
+
+
+@njit
+def share_of(memory):
+    """Share of the voltage that is let through."""
+    return memory[_Slot.SHARE]
+
+
+@njit
+def pace_of(memory):
+    """Pace of the adaptation."""
+    return memory[_Slot.PACE]
+
+
+@kernel(
+    'void(f8, f8, f8, b1, b1, b1, f8[:], f8[:], i8[:], b1[:])',
+    '(),(),(),(),(),(),(n),(m)->(),()',
+    writable=('memory',),
+)
+def _step(error, reference, effect, cut, valid, acting, settings, memory, now, loud):
+    """Judge one sample of one item; see `Backoff.step`."""
+    sample = Judged(error, reference, effect, cut, valid, acting)
+    now[0], loud[0] = judge(sample, Settings(settings[0], settings[1], settings[2]), memory)
 
 
 class Backoff:
@@ -287,17 +310,20 @@ class Backoff:
 
     Args:
         shape: leading axes.
+
+    Attributes:
+        memory: (*shape, m) what is remembered of the items.
+        settings: (3) `Settings`.
     """
 
     def __init__(self, shape: tuple[int, ...] = ()) -> None:
         self.shape = shape
-        self._following: Integers = np.full(shape, BackoffState.LISTEN)
-        self._memory = np.zeros((*shape, len(_Slot)))
+        self.memory = np.zeros((*shape, len(_Slot)))
         self.reset(np.ones(shape, dtype=bool))
 
     def tune(self, window: int, ratio: float, floor: float) -> None:
         """Set the watch time (samples), the growth R that is an alarm, and the least RMS of the reference (m/s^2)."""
-        self._settings = np.array(_Settings(window, ratio, floor))
+        self.settings = np.array(Settings(window, ratio, floor))
 
     def step(
         self, error: Array, reference: Array, effect: Array, cut: Mask, valid: Mask, acting: bool
@@ -315,32 +341,28 @@ class Backoff:
         Returns:
             (shape) `BackoffState` of this sample; (shape) bool, the reference is worth learning from.
         """
-        following, now, loud = _step(
-            error, reference, effect, cut, valid, acting, self._settings, self._following,
-            self._memory,
-        )  # fmt: skip
-        self._following = np.asarray(following)
+        now, loud = _step(error, reference, effect, cut, valid, acting, self.settings, self.memory)
         return np.asarray(now), np.asarray(loud)
 
     @property
     def share(self) -> Array:
         """Share of the voltage that is let through (shape)."""
-        return self._memory[..., _Slot.SHARE]
+        return self.memory[..., _Slot.SHARE]
 
     @property
     def pace(self) -> Array:
         """Pace of the adaptation (shape), 1 before the first alarm."""
-        return self._memory[..., _Slot.PACE]
+        return self.memory[..., _Slot.PACE]
 
     @property
     def alarms(self) -> Array:
         """Alarms that are not taken back (shape)."""
-        return self._memory[..., _Slot.ALARMS]
+        return self.memory[..., _Slot.ALARMS]
 
     @property
     def passed(self) -> Array:
         """r_0 (shape); 0 while it is not known."""
-        return self._memory[..., _Slot.PASSED]
+        return self.memory[..., _Slot.PASSED]
 
     def forgive(self, mask: Mask) -> None:
         """Begin again where `mask` (shape) holds and there were alarms, as a new model deserves."""
@@ -348,6 +370,5 @@ class Backoff:
 
     def reset(self, mask: Mask) -> None:
         """Begin again where `mask` (shape) holds."""
-        self._following = np.where(mask, BackoffState.LISTEN, self._following)
-        self._memory[...] = np.where(mask[..., None], 0.0, self._memory)
+        self.memory[...] = np.where(mask[..., None], 0.0, self.memory)
         self.pace[...] = np.where(mask, 1.0, self.pace)

@@ -63,7 +63,9 @@ def _measure(w, first, error, pace, theta, U, d, gain):
     '(p),(),(),(),(),(),(),(p),(p,p),(p),(o)->()',
     writable=('weights', 'U', 'd', 'memory'),
 )
-def _step(regressor, error, power, active, pace, leak, share, weights, U, d, memory, norm):
+def least_squares_step(
+    regressor, error, power, active, pace, leak, share, weights, U, d, memory, norm
+):
     """One step of one item; see `LeastSquares`."""
     p = regressor.shape[0]
     total = dot_of(regressor, regressor)
@@ -99,12 +101,13 @@ class LeastSquares:
     Attributes:
         U: (*shape, p, p) unit upper triangular.
         d: (*shape, p) diagonal of D.
+        memory: (*shape, 2) of what is remembered beside P.
     """
 
     def __init__(self, size: int, shape: tuple[int, ...] = ()) -> None:
         self.U = np.zeros((*shape, size, size))
         self.d = np.zeros((*shape, size))
-        self._memory = np.zeros((*shape, len(_Slot)))
+        self.memory = np.zeros((*shape, len(_Slot)))
 
     def step(
         self,
@@ -130,16 +133,16 @@ class LeastSquares:
             leak: shape, q.
             share: 1 - lambda.
         """
-        _step(
+        least_squares_step(
             regressor, error, power, active, pace, leak, share, weights, self.U, self.d,
-            self._memory,
+            self.memory,
         )  # fmt: skip
 
     @property
     def power(self) -> Array:
         """Mean of the power (shape)."""
-        return self._memory[..., _Slot.POWER]
+        return self.memory[..., _Slot.POWER]
 
     def reset(self, mask: Mask) -> None:
         """Begin again with the next sample where `mask` (shape) holds."""
-        self._memory[...] = np.where(mask[..., None], 0.0, self._memory)
+        self.memory[...] = np.where(mask[..., None], 0.0, self.memory)

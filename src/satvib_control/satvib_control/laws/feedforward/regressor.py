@@ -9,10 +9,12 @@ does not jump.
 """
 
 import math
+from enum import IntEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
 from satvib_common.arrays import Array, Mask
+from satvib_common.kernels.deferred import njit
 
 from satvib_control.core.trusted_model import lengthen, select
 from satvib_control.laws.feedforward.reaction import FREQUENCIES
@@ -31,6 +33,47 @@ HISTORY = 2.0  # s
 SHORT_GAP = 3  # samples that may be missing while the integrals stay valid
 
 
+class _Slot(IntEnum):
+    """What is remembered of the lower sensor of an item."""
+
+    LAST = 0  # m/s^2, the newest sample that was measured
+    ABSENT = 1  # samples that are missing since
+    FILLING = 2  # samples until the history is complete; not above 0 when it is
+
+
+@njit
+def measure(lower, lost, taps, settle, sensor):
+    """Count the missing samples of an item; give the reading, or the last one that there was.
+
+    Args:
+        lower: m/s^2; NaN: not measured.
+        lost: samples that were lost before this one.
+        taps, settle: samples that a regressor and its integrals need.
+        sensor: (m) its memory, changed.
+    """
+    good = np.isfinite(lower)
+    if good:
+        sensor[_Slot.LAST] = lower
+    sensor[_Slot.ABSENT] = 0.0 if good else sensor[_Slot.ABSENT] + 1.0
+    gap = sensor[_Slot.ABSENT] + lost
+    spoiled = taps + (settle if gap > SHORT_GAP else 0.0)
+    left = sensor[_Slot.FILLING] - 1.0 if good else sensor[_Slot.FILLING]
+    sensor[_Slot.FILLING] = max(left, spoiled) if gap > 0.0 else left
+    return sensor[_Slot.LAST]
+
+
+@njit
+def is_missing(sensor):
+    """Whether the newest sample of an item was not measured."""
+    return sensor[_Slot.ABSENT] > 0.0
+
+
+@njit
+def is_filling(sensor):
+    """Whether the history of an item is not complete."""
+    return sensor[_Slot.FILLING] > 0.0
+
+
 class FilteredReference:
     """phi and phi_f of every item; see the module.
 
@@ -44,9 +87,11 @@ class FilteredReference:
     Attributes:
         state: phi, phi_f and what they are made from.
         known: shape, bool; there is a model.
+        num, den: (*shape, m) G_hat z in z^-1.
+        coefficients, sizes: (3) and (3), see `run_regressor`.
         table: (f, p, 2) responses of the regressor at `FREQUENCIES`.
-        missing: shape, bool; the newest sample of the lower sensor was not measured.
-        filling: shape, samples until the history is complete; not above 0 when it is.
+        settle: samples that the integrals need.
+        sensor: (*shape, 3) memory of the lower sensor.
     """
 
     def __init__(
@@ -58,67 +103,36 @@ class FilteredReference:
         shape: tuple[int, ...] = (),
     ) -> None:
         self.shape, self.contents = shape, contents
-        self._sizes = np.array(contents)
-        self._coefficients = motion_coefficients(corner, dt)
+        self.sizes = np.array(contents)
+        self.coefficients = motion_coefficients(corner, dt)
         self.table = response_table(contents, corner, dt, FREQUENCIES)
         self._reaction_taps = max(reaction_taps, 1)
-        self._num, self._den = np.zeros((2, *shape, 2))
-        self._den[..., 0] = 1.0
+        self.num, self.den = np.zeros((2, *shape, 2))
+        self.den[..., 0] = 1.0
         self.state = self._at_rest()
         self._past = np.zeros((3, max(round(HISTORY / dt), 1), *shape))  # lower, applied, own
         self._next = 0
         self.known = np.zeros(shape, dtype=bool)
         # the integrals need three time constants of their corner
         settle = math.ceil(3.0 / (2.0 * math.pi * corner * dt))
-        self._settle = settle if contents.motion else 0
-        self.missing = np.ones(shape, dtype=bool)
-        self.filling = np.full(shape, float(contents.taps + self._settle))
-        self._absent = np.zeros(shape)
-        self._last = np.zeros(shape)
+        self.settle = settle if contents.motion else 0
+        self.sensor = np.zeros((*shape, len(_Slot)))
+        self.sensor[..., _Slot.ABSENT] = 1.0
+        self.sensor[..., _Slot.FILLING] = contents.taps + self.settle
 
     def _at_rest(self) -> RegressorState:
         return RegressorState.zeros(
-            self.contents, self._reaction_taps, self._num.shape[-1], self.shape
+            self.contents, self._reaction_taps, self.num.shape[-1], self.shape
         )
 
-    def measured(self, lower: Array, lost: int = 0) -> Array:
-        """Count the missing samples, and give the reading or the last one that there was.
+    def last(self, lower: Array) -> Array:
+        """Give a reading (shape, m/s^2), or where it is NaN the last one that there was."""
+        return np.where(np.isfinite(lower), lower, self.sensor[..., _Slot.LAST])
 
-        Args:
-            lower: shape, m/s^2; NaN: not measured.
-            lost: samples that were lost before this one.
-        """
-        good = np.isfinite(lower)
-        self._last = np.where(good, lower, self._last)
-        self._absent = np.where(good, 0.0, self._absent + 1.0)
-        gap = self._absent + lost
-        spoiled = self.contents.taps + np.where(gap > SHORT_GAP, self._settle, 0.0)
-        left = np.where(good, self.filling - 1.0, self.filling)
-        self.filling = np.where(gap > 0.0, np.maximum(left, spoiled), left)
-        self.missing = ~good
-        return self._last
-
-    def step(
-        self, lower: Array, applied: Array, own: Array, reaction: Array, weights: Array
-    ) -> tuple[Array, Array]:
-        """Advance by a sample.
-
-        Args:
-            lower: shape, m/s^2, finite.
-            applied: shape, V, of the sample before.
-            own: shape, V; what of it was the filter's.
-            reaction: (*shape, r) m/s^2/V.
-            weights: (*shape, p); only those of the poles matter here.
-
-        Returns:
-            (shape) the reference x and (shape) the effect G_hat u, both m/s^2.
-        """
-        reference, effect = self._run(
-            self.state, lower[..., None], applied[..., None], own[..., None], reaction, weights
-        )
+    def remember(self, lower: Array, applied: Array, own: Array) -> None:
+        """Keep the input of a sample; see `run_regressor`."""
         self._past[:, self._next] = lower, applied, own
         self._next = (self._next + 1) % self._past.shape[1]
-        return reference[..., 0], effect[..., 0]
 
     def _run(
         self, state: RegressorState, lower: Array, applied: Array, own: Array, reaction: Array,
@@ -126,7 +140,7 @@ class FilteredReference:
     ) -> tuple[Array, Array]:  # fmt: skip
         """Run samples (*shape, t) through the present filters."""
         found: tuple[Array, Array] = run_regressor(
-            lower, applied, own, reaction, self._num, self._den, self._coefficients, self._sizes,
+            lower, applied, own, reaction, self.num, self.den, self.coefficients, self.sizes,
             weights, *state,
         )  # fmt: skip
         return found
@@ -139,18 +153,18 @@ class FilteredReference:
         b = np.broadcast_to(model.b, (*self.shape, model.b.shape[-1]))
         # the voltages of the regressor are one sample old, so one sample of the delay has passed
         first = model.delay - 1
-        length = max(1 + a.shape[-1], first + b.shape[-1], self._num.shape[-1])
+        length = max(1 + a.shape[-1], first + b.shape[-1], self.num.shape[-1])
         num, den = np.zeros((2, *self.shape, length))
         num[..., first : first + b.shape[-1]] = b
         den[..., 0] = 1.0
         den[..., 1 : 1 + a.shape[-1]] = a
-        old_num, old_den = lengthen(self._num, length), lengthen(self._den, length)
+        old_num, old_den = lengthen(self.num, length), lengthen(self.den, length)
         num, den = select(trusted, num, old_num), select(trusted, den, old_den)
         self.known = self.known | trusted
         fresh: Mask = np.any((num != old_num) | (den != old_den), axis=-1)
         if not fresh.any():
             return None
-        self._num, self._den = num, den
+        self.num, self.den = num, den
         self.state = self.state._replace(filters=lengthen(self.state.filters, length))
         self._replay(fresh, reaction, weights, seen_through_only=True)
         return fresh
@@ -176,5 +190,7 @@ class FilteredReference:
         for kept in self.state:
             kept[...] = select(mask, 0.0, kept)
         self._past[...] = np.where(mask, 0.0, self._past)
-        self.filling = np.where(mask, float(self.contents.taps + self._settle), self.filling)
-        self._last = np.where(mask, 0.0, self._last)
+        full = float(self.contents.taps + self.settle)
+        filling, last = self.sensor[..., _Slot.FILLING], self.sensor[..., _Slot.LAST]
+        filling[...] = np.where(mask, full, filling)
+        last[...] = np.where(mask, 0.0, last)

@@ -190,6 +190,46 @@ def _without_reaction(lower, applied, reaction, voltages):
     return x
 
 
+class Path(NamedTuple):
+    """What the regressor is filtered with: G_hat z as num / den (m), the reaction (r) and the motion filters."""
+
+    num: Array
+    den: Array
+    reaction: Array
+    section: MotionFilter
+
+
+@njit
+def advance(lower, applied, own, path, contents, weights, state):
+    """Advance one item by a sample; see `run_regressor`. Gives the reference and the effect."""
+    num, den, reaction, section = path
+    before, filters, motion, rows = state.before, state.filters, state.motion, state.rows
+    x = _without_reaction(lower, applied, reaction, state.voltages)
+    effect = filter_sample(num, den, filters[_Through.APPLIED], applied)
+    xf = filter_sample(num, den, filters[_Through.REFERENCE], before[_Before.REFERENCE])
+    # the regressor of u is one sample old, so its filtered twin is the effect of the sample before
+    uf = before[_Before.OWN_EFFECT]
+    if rows.shape[0] > _Row.GRADIENT:
+        _push_gradient(xf, uf, weights, section, contents, state)
+    _push(rows[_Row.PLAIN], contents, x, _motion(section, motion[_Row.PLAIN], x), own)
+    _push(rows[_Row.FILTERED], contents, xf, _motion(section, motion[_Row.FILTERED], xf), uf)
+    before[_Before.REFERENCE] = x
+    before[_Before.OWN_EFFECT] = filter_sample(num, den, filters[_Through.OWN], own)
+    return x, effect
+
+
+@njit
+def plain_of(rows):
+    """Phi (p) among the rows of one item."""
+    return rows[_Row.PLAIN]
+
+
+@njit
+def filtered_of(rows):
+    """Phi_f (p) among the rows of one item."""
+    return rows[_Row.FILTERED]
+
+
 @kernel(
     'void(f8[:],f8[:],f8[:],f8[:],f8[:],f8[:],f8[:],i8[:],f8[:],f8[:],f8[:],f8[:,:],f8[:,:],f8[:,:],f8[:],f8[:])',
     '(t),(t),(t),(r),(m),(m),(c),(z),(p),(r),(q),(g,m),(l,d),(l,p)->(t),(t)',
@@ -215,22 +255,13 @@ def run_regressor(
         reference: (t) out, x, m/s^2.
         effect: (t) out, G_hat applied, m/s^2: what the voltage does to the upper sensor.
     """
-    section = MotionFilter(coefficients[0], coefficients[1], coefficients[2])
+    path = Path(num, den, reaction, MotionFilter(coefficients[0], coefficients[1], coefficients[2]))
     contents = Contents(sizes[0], sizes[1], sizes[2])
     state = RegressorState(voltages, before, filters, motion, rows)
     for k in range(lower.shape[0]):
-        x = _without_reaction(lower[k], applied[k], reaction, voltages)
-        reference[k] = x
-        effect[k] = filter_sample(num, den, filters[_Through.APPLIED], applied[k])
-        xf = filter_sample(num, den, filters[_Through.REFERENCE], before[_Before.REFERENCE])
-        # the regressor of u is one sample old, so its filtered twin is the effect of the sample before
-        uf = before[_Before.OWN_EFFECT]
-        if rows.shape[0] > _Row.GRADIENT:
-            _push_gradient(xf, uf, weights, section, contents, state)
-        _push(rows[_Row.PLAIN], contents, x, _motion(section, motion[_Row.PLAIN], x), own[k])
-        _push(rows[_Row.FILTERED], contents, xf, _motion(section, motion[_Row.FILTERED], xf), uf)
-        before[_Before.REFERENCE] = x
-        before[_Before.OWN_EFFECT] = filter_sample(num, den, filters[_Through.OWN], own[k])
+        reference[k], effect[k] = advance(
+            lower[k], applied[k], own[k], path, contents, weights, state
+        )
 
 
 def response_table(contents: Contents, corner: float, dt: float, f: Array) -> Array:

@@ -25,8 +25,7 @@ limit where the power has been below a fifth of its mean over 5 s within the las
 from enum import IntEnum
 
 import numpy as np
-from satvib_common.arrays import Array, Mask
-from satvib_common.kernels.compile import kernel
+from satvib_common.arrays import Array
 from satvib_common.kernels.deferred import njit
 
 SPIKE = 25.0  # power over its mean; five standard deviations
@@ -80,76 +79,66 @@ def _find_silence(memory, power, settings):
         memory[_Slot.FREE] = SILENCE_TIME
 
 
-@kernel('void(f8, b1, f8, f8, f8[:], f8[:])', '(),(),(),(),(m)->()', writable=('memory',))
-def _reference(x, measured, dt, floor, memory, limited):
-    """One sample of the reference of one item."""
-    limited[0] = x
+@njit
+def limit_reference(x, measured, dt, floor, memory):
+    """Take a sample of the reference of one item; give it within its limit.
+
+    Args:
+        x: m/s^2.
+        measured: the sample counts.
+        dt: s.
+        floor: m/s^2; a smaller RMS counts as this one.
+        memory: (m), changed.
+    """
+    limited = x
     memory[_Slot.LIMITED] = 0.0
     if measured and abs(x) < 1e140:
         free = memory[_Slot.FREE] > 0.0
         _find_silence(memory, x * x, (dt, floor))
         most = np.sqrt(_limit(memory, _Slot.USUAL, _Slot.COUNT, x * x, (dt, floor)))
         if abs(x) > most and not free:
-            limited[0] = np.copysign(most, x)
+            limited = np.copysign(most, x)
             memory[_Slot.LIMITED] = 1.0
+    return limited
 
 
-@kernel(
-    'void(f8, f8, b1, f8, f8, f8, f8[:], b1[:], b1[:])',
-    '(),(),(),(),(),(),(m)->(),()',
-    writable=('memory',),
-)
-def _error(error, passive, measured, dt, floor, hold, memory, held, shock):
-    """One sample of the error of one item."""
+@njit
+def judge_error(error, passive, measured, dt, floor, hold, memory):
+    """Judge a sample of one item; after `limit_reference`.
+
+    Args:
+        error: e, m/s^2.
+        passive: d_hat, m/s^2.
+        measured: the sample counts.
+        dt: s.
+        floor: m/s^2.
+        hold: see `hold_of`.
+        memory: (m), changed.
+
+    Returns:
+        Nothing is to be learnt; a shock says nothing about the law.
+    """
     spike = memory[_Slot.LIMITED] > 0.0
     if measured and abs(error) < 1e140 and abs(passive) < 1e140:
         most = _limit(memory, _Slot.PASSIVE, _Slot.PASSIVES, passive * passive, (dt, floor))
         spike = spike or (error * error > most and memory[_Slot.FREE] == 0.0)
     begins = memory[_Slot.LIMITED] > 0.0 and memory[_Slot.LEFT] == 0.0
     memory[_Slot.SHOCK] = SHOCK_TIME / dt if begins else max(memory[_Slot.SHOCK] - 1.0, 0.0)
-    shock[0] = memory[_Slot.SHOCK] > 0.0
+    shock = memory[_Slot.SHOCK] > 0.0
     memory[_Slot.LEFT] = hold if spike else max(memory[_Slot.LEFT] - 1.0, 0.0)
-    held[0] = memory[_Slot.LEFT] > 0.0
+    return memory[_Slot.LEFT] > 0.0, shock
 
 
-class SpikeLimit:
-    """The limit of a batch of items; see the module.
+def spike_memory(shape: tuple[int, ...]) -> Array:
+    """What is remembered of the items (*shape, m), at the start."""
+    return np.zeros((*shape, len(_Slot)))
+
+
+def hold_of(taps: int, dt: float) -> float:
+    """Samples without learning after a spike.
 
     Args:
         taps: samples of the reference that the regressor holds.
         dt: s.
-        shape: leading axes.
-
-    Attributes:
-        floor: m/s^2; a smaller RMS counts as this one.
     """
-
-    def __init__(self, taps: int, dt: float, shape: tuple[int, ...] = ()) -> None:
-        self.floor = 0.0
-        self._hold = float(max(taps, round(HOLD_TIME / dt)))
-        self._dt = dt
-        self._memory = np.zeros((*shape, len(_Slot)))
-
-    def reference(self, x: Array, measured: Mask) -> Array:
-        """Give the reference (shape, m/s^2) within its limit; it counts where `measured` (shape) holds."""
-        return np.asarray(_reference(x, measured, self._dt, self.floor, self._memory))
-
-    def judge(self, error: Array, passive: Array, measured: Mask) -> tuple[Mask, Mask]:
-        """Judge a sample; after `reference`.
-
-        Args:
-            error: shape, e, m/s^2.
-            passive: shape, d_hat, m/s^2.
-            measured: shape, bool; the sample counts.
-
-        Returns:
-            (shape) bool, nothing is to be learnt; (shape) bool, a shock says nothing about the law.
-        """
-        held, shock = _error(
-            error, passive, measured, self._dt, self.floor, self._hold, self._memory
-        )
-        return np.asarray(held), np.asarray(shock)
-
-    def reset(self, mask: Mask) -> None:
-        """Begin again where `mask` (shape) holds."""
-        self._memory[...] = np.where(mask[..., None], 0.0, self._memory)
+    return float(max(taps, round(HOLD_TIME / dt)))
