@@ -13,8 +13,6 @@ import logging
 import os
 import platform
 import secrets
-import signal
-import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -22,6 +20,7 @@ from satvib_common.errors import SatvibError
 from satvib_experiment.report.result import versions
 
 from satvib_studies.campaign.batch import run_part
+from satvib_studies.campaign.processes import run_in_processes
 from satvib_studies.campaign.report.table import make_table, to_bytes
 from satvib_studies.campaign.store import Store
 from satvib_studies.campaign.trials import TrialPlan
@@ -78,9 +77,18 @@ def run_parts(
             trials = campaign.chunk_of(index)
             yield index, run_task(plan.part(trials), trials.start, software())
         return
-    with _client(scheduler, min(workers or cores(), len(waiting))) as client:
-        if scheduler is not None:
-            _wait_for_workers(client, scheduler)
+    if scheduler is None:
+        wanted = software()
+
+        def arguments(index: int) -> tuple[TrialPlan, int, dict[str, str]]:
+            trials = campaign.chunk_of(index)
+            return plan.part(trials), trials.start, wanted
+
+        count = min(workers or cores(), len(waiting))
+        yield from run_in_processes(run_task, arguments, waiting, count, _LIVES)
+        return
+    with _client(scheduler) as client:
+        _wait_for_workers(client, scheduler)
         yield from _distributed(client, plan, waiting)
 
 
@@ -90,51 +98,29 @@ def cores() -> int:
 
 
 @contextlib.contextmanager
-def _client(scheduler: str | None, workers: int) -> Iterator[Any]:
-    """Give a Dask client, of a scheduler or of processes of our own, which end with it."""
+def _client(scheduler: str) -> Iterator[Any]:
+    """Give a client of a Dask scheduler."""
     import dask
-    from distributed import Client, LocalCluster
+    from distributed import Client
 
     _quiet()
     settings = {
         'distributed.scheduler.allowed-failures': _LIVES,
-        'distributed.worker.daemon': True,
         'distributed.comm.timeouts.connect': f'{_CONNECT}s',
         'distributed.admin.tick.limit': '1h',
         'logging': {'distributed': 'critical', 'distributed.worker': 'critical'},
     }
-    with dask.config.set(settings), contextlib.ExitStack() as stack:
-        if scheduler is None:
-            with _deaf():
-                cluster = LocalCluster(
-                    n_workers=workers, threads_per_worker=1, processes=True,
-                    dashboard_address=None, memory_limit=0, host='127.0.0.1',
-                    silence_logs=logging.CRITICAL,
-                )  # fmt: skip
-            client = Client(stack.enter_context(cluster))
-        else:
-            try:
-                client = Client(scheduler, timeout=_CONNECT, set_as_default=False)
-            except (OSError, ValueError, TypeError, TimeoutError) as error:
-                reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-                raise SatvibError(
-                    f'--scheduler {scheduler}: cannot be reached ({reason}); start one with: '
-                    './satvib shell, then dask scheduler'
-                ) from None
-        yield stack.enter_context(client)
-
-
-@contextlib.contextmanager
-def _deaf() -> Iterator[None]:
-    """Let processes that begin here ignore Control-C: the one who started them ends them in order."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+    with dask.config.set(settings):
+        try:
+            client = Client(scheduler, timeout=_CONNECT, set_as_default=False)
+        except (OSError, ValueError, TypeError, TimeoutError) as error:
+            reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+            raise SatvibError(
+                f'--scheduler {scheduler}: cannot be reached ({reason}); start one with: '
+                './satvib shell, then dask scheduler'
+            ) from None
+        with client:
+            yield client
 
 
 def _wait_for_workers(client: Any, scheduler: str) -> None:

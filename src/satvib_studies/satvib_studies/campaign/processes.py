@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Processes of this machine that run the parts of a campaign, over pipes: no stranger can connect to them."""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from typing import Any
+
+from satvib_common.errors import SatvibError
+
+
+def run_in_processes(
+    task: Callable[..., bytes],
+    arguments: Callable[[int], tuple[Any, ...]],
+    parts: Iterable[int],
+    workers: int,
+    lives: int,
+) -> Iterator[tuple[int, bytes]]:
+    """Run parts in processes of this machine and give (number, result) as they are done.
+
+    A process that dies takes the others with it: they are begun again, and so are the parts that were in them.
+
+    Args:
+        task: a function of a module.
+        arguments: of the task, by the number of the part.
+        parts: numbers.
+        workers: processes.
+        lives: deaths of processes after which a part that was in one of them each time is given up.
+
+    Raises:
+        SatvibError: a part was given up.
+    """
+    waiting, deaths = list(parts), Counter[int]()
+    while waiting:
+        running: dict[Future[bytes], int] = {}
+        with _pool(min(workers, len(waiting))) as pool:
+            try:
+                while waiting or running:
+                    # no more than there are processes: what is in the air when one dies is what it may have died of
+                    while waiting and len(running) < workers:
+                        with _deaf():
+                            running[pool.submit(task, *arguments(waiting[0]))] = waiting[0]
+                        del waiting[0]
+                    for future in wait(running, return_when=FIRST_COMPLETED).done:
+                        data = future.result()
+                        yield running.pop(future), data
+            except BrokenProcessPool:
+                deaths.update(running.values())
+                waiting = sorted([*running.values(), *waiting])
+                worst = max(waiting, key=lambda part: deaths[part])
+                if deaths[worst] >= lives:
+                    raise SatvibError(
+                        f'part {worst}: {lives} times a process died while it ran it (memory?); '
+                        'make the parts smaller with chunk'
+                    ) from None
+
+
+@contextmanager
+def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes that end with the block, whatever they do, and with this process, however it ends."""
+    context = multiprocessing.get_context('spawn')
+    others = {process.pid for process in multiprocessing.active_children()}
+    pool = ProcessPoolExecutor(workers, context, initializer=_end_with_parent)
+    try:
+        yield pool
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in multiprocessing.active_children():
+            if process.pid not in others:
+                process.kill()
+                process.join()
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that made it has died."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Let processes that begin here not hear Control-C: the one who started them hears it, and ends them in order."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
