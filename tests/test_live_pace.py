@@ -65,7 +65,7 @@ def test_a_reader_that_stops_holds_the_writer_and_loses_nothing(reader):
     def given_up() -> bool:
         nonlocal tries
         tries += 1
-        if tries == 3:
+        if tries == 2:
             reader.send_signal(signal.SIGCONT)
         return False
 
@@ -87,7 +87,7 @@ def test_a_reader_that_stops_holds_the_writer_and_loses_nothing(reader):
             if k == FIRST:
                 assert publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=LIMIT))
                 reader.send_signal(signal.SIGSTOP)
-        assert most >= 3
+        assert most >= 2
         output, _ = reader.communicate(timeout=LIMIT)
         assert output == 'True\n'
     finally:

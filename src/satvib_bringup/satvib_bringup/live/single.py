@@ -23,8 +23,8 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from satvib_common.errors import RunError, SatvibError
 from satvib_common.realtime import settle_memory
-from satvib_common.ros.endpoints import Output
-from satvib_common.ros.exchange import Exchange, Reader
+from satvib_common.ros.endpoints import Input, Output
+from satvib_common.ros.exchange import Exchange
 from satvib_common.ros.host import Host, close_nodes
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.place import placed
@@ -36,7 +36,7 @@ from satvib_bringup.live.process import NodeSpec
 from satvib_bringup.live.progress import Progress
 from satvib_bringup.live.schedule_message import graph_schedule
 from satvib_bringup.live.track import Track
-from satvib_msgs.msg import Schedule
+from satvib_msgs.msg import Schedule, StrutProgress
 
 _REPORT = 0.15  # s
 _CLASSES = {
@@ -129,8 +129,9 @@ class SingleRun:
                 f'{name}: {error}', 2 if isinstance(error, SatvibError) else 1
             ) from None
         for strut in self.graph.struts:
-            reader = Reader(partial(self._track.take, strut), 0, raw=False)
-            self._exchange.attach(f'/{strut}/progress', reader)
+            take = partial(self._track.take, strut)
+            topic = f'/{strut}/progress'
+            Input(self._runner, self._exchange, StrutProgress, topic, take, offered(1), rank=0)
         began = time.monotonic()
         self._track.begin()
         now = self._runner.get_clock().now().to_msg()

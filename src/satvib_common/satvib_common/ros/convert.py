@@ -31,6 +31,13 @@ def sample_stamp(sequence: int, period: float) -> int:
     return round(sequence * period * _SECOND)
 
 
+def set_header(message: Any, header: Any) -> None:
+    """Put what a header says into that of a message; `header` may be that of a record (`wire`)."""
+    stamp = message.header.stamp
+    stamp.sec, stamp.nanosec = header.stamp.sec, header.stamp.nanosec
+    message.header.frame_id = header.frame_id
+
+
 def doubles(values: Array) -> 'array[float]':
     """Give the value of a float64[] field, without a list of Python numbers."""
     return array('d', np.ascontiguousarray(values).tobytes())

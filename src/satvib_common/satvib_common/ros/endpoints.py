@@ -14,6 +14,7 @@ from rclpy.subscription import Subscription
 from satvib_common.errors import RunError
 from satvib_common.ros.exchange import Exchange, Reader
 from satvib_common.ros.qos import overridable
+from satvib_common.ros.wire import wire_of
 
 # s, with a reader that takes nothing; one that has ended without a word is forgotten after 20 s
 _PATIENCE = 30.0
@@ -39,6 +40,7 @@ class Output:
         self.publisher: Any = publisher
         self.topic_name: str = publisher.topic_name
         self._exchange = exchange
+        self._wire = wire_of(publisher.msg_type)
         self._topic = exchange.topic(self.topic_name) if exchange else None
         if self._topic is not None:
             self._topic.writers += 1
@@ -48,14 +50,22 @@ class Output:
         )
 
     def publish(self, message: Any) -> None:
-        """Publish to the readers in this process and to all others."""
+        """Publish to the readers in this process and to all others.
+
+        Args:
+            message: of the kind, or anything with the same attributes where that kind has a `wire`.
+        """
         publisher, topic = self.publisher, self._topic
-        text = None
-        if topic is not None and topic.readers and getattr(publisher, 'is_activated', True):
+        sent = message
+        local = topic is not None and topic.readers and getattr(publisher, 'is_activated', True)
+        remote = not self._spared or publisher.get_subscription_count() > 0
+        if self._wire is not None and (local or remote):
+            sent = self._wire.pack(message)
+        if local:
+            assert topic is not None
             assert self._exchange is not None
-            text = self._exchange.send(topic, message)
-        if not self._spared or publisher.get_subscription_count() > 0:
-            sent = message if text is None else text
+            sent = self._exchange.send(topic, sent) or sent
+        if remote:
             if self._given_up is None:
                 publisher.publish(sent)
             else:
@@ -69,13 +79,15 @@ class Output:
             RCLError: the middleware refuses for another reason.
         """
         began = tried = time.monotonic()
-        while not given_up():
+        while True:
             try:
                 self.publisher.publish(message)
             except rclpy_implementation.RCLError:
                 now = time.monotonic()
                 if now - tried < _AT_ONCE:
                     raise
+                if given_up():
+                    return
                 if now - began > _PATIENCE:
                     raise RunError(
                         f'{self.topic_name}: a reader has taken nothing for {_PATIENCE:g} s, and in '
@@ -116,7 +128,7 @@ class Input:
         call: takes a message.
         qos: as wanted of the middleware.
         rank: of the node.
-        raw: serialized messages.
+        raw: serialized messages. Else those of a kind that has a `wire` come as its records.
     """
 
     def __init__(
@@ -127,6 +139,10 @@ class Input:
         self._node, self._exchange = node, exchange
         self.subscription: Subscription | None = None
         self._reader: Reader | None = None
+        taken, wire = call, None if raw else wire_of(kind)
+        if wire is not None:
+            raw, unpack = True, wire.unpack
+            taken = lambda data: call(unpack(data))  # noqa: E731
 
         def subscribe(take: Callable[[Any], None]) -> Subscription:
             return node.create_subscription(
@@ -134,11 +150,11 @@ class Input:
             )
 
         if exchange is None:
-            self.subscription = subscribe(call)
+            self.subscription = subscribe(taken)
             return
         whole = qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
         local = exchange.topic(self.topic_name)
-        self._reader = Reader(call, rank, raw)
+        self._reader = Reader(taken, rank, raw)
         if local.writers:
             exchange.attach(self.topic_name, self._reader, whole)
         elif exchange.founding and (local.subscription is None or local.is_raw == raw):
@@ -148,7 +164,7 @@ class Input:
                 local.subscription = subscribe(lambda m: exchange.pass_on(local, m))
         else:  # the past of the topic comes to new subscriptions only
             self._reader = None
-            self.subscription = subscribe(call)
+            self.subscription = subscribe(taken)
 
     def get_publisher_count(self) -> int:
         """How many writers are connected."""

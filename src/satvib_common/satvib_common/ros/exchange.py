@@ -110,17 +110,21 @@ class Exchange:
             topic.readers.remove(reader)
 
     def send(self, topic: LocalTopic, message: Any) -> bytes | None:
-        """Hand a message to the readers in this process; gives it serialized if one of them wanted it so."""
+        """Hand a message to the readers in this process; gives it serialized if one of them wanted it so.
+
+        A message that is serialized already is for those who want it so.
+        """
         copy: Any = None
         text: bytes | None = None
         for reader in topic.readers:
             if reader.raw:
-                text = serialize_message(message) if text is None else text
+                if text is None:
+                    text = message if isinstance(message, bytes) else serialize_message(message)
                 self._put(reader, text)
             else:
                 copy = copy_of(message) if copy is None else copy
                 self._put(reader, copy)
-        topic.last = copy
+        topic.last = text if isinstance(message, bytes) else copy
         return text
 
     def pass_on(self, topic: LocalTopic, message: Any) -> None:

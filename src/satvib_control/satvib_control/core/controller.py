@@ -263,7 +263,8 @@ class ControllerCore:
         """Give a mask of `shape`; that of most samples is made once."""
         if where is False:
             return self._nowhere
-        return np.broadcast_to(np.asarray(where, dtype=bool), self.shape)
+        mask = np.asarray(where, dtype=bool)
+        return mask if mask.shape == self.shape else np.broadcast_to(mask, self.shape)
 
     def _without_bias(
         self, phase: Phase, upper: Array, lower: Array, upper_clipped: Mask, lower_clipped: Mask

@@ -19,6 +19,7 @@ from satvib_common.ros.convert import check_period, fill
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import offered
 from satvib_common.ros.schedule_gate import ScheduleGate
+from satvib_common.ros.wire import blank
 from satvib_common.sequence import Arrival
 
 from satvib_control.core.controller import ControllerCore, ControllerOutput
@@ -63,7 +64,7 @@ class ControllerNode(SatvibNode[P]):
         )
         self.last: ControllerOutput | None = None
         self.slowest = 0.0
-        self.voltages = [VcaVoltage() for _ in struts]
+        self.voltages = [blank(VcaVoltage) for _ in struts]
         self.voltage_out = [self.publish_on(VcaVoltage, f'{name}voltage') for _, name in struts]
         outs = [
             (
@@ -73,7 +74,7 @@ class ControllerNode(SatvibNode[P]):
             for _, name in struts
         ]
         p = self.parameters
-        self.report = StateReport(self.places, outs, p.law, state_every(p))
+        self.report = StateReport(self.places, outs, state_every(p))
 
     @abstractmethod
     def work(self, plan: PhasePlan) -> None:

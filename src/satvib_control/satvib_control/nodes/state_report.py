@@ -6,7 +6,8 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from satvib_common.ros.convert import fill, nanoseconds
+from satvib_common.ros.convert import nanoseconds
+from satvib_common.ros.wire import blank
 
 from satvib_control.core.output import ControllerOutput
 from satvib_msgs.msg import ControllerState, StrutProgress
@@ -22,16 +23,15 @@ class StateReport:
     Args:
         places: of the struts in the arrays of the core.
         outs: for each, the publisher of its state and that of its progress.
-        law: name.
         every: samples between two states; a change of phase, fault or reason goes out in any case.
     """
 
     def __init__(
-        self, places: Sequence[Index], outs: Sequence[tuple[Any, Any]], law: str, every: int
+        self, places: Sequence[Index], outs: Sequence[tuple[Any, Any]], every: int
     ) -> None:
         self._places, self._outs, self._every = places, outs, every
-        self._states = [ControllerState(law=law) for _ in places]
-        self._progress = StrutProgress()
+        self._states = [blank(ControllerState) for _ in places]
+        self._progress = blank(StrutProgress)
         self._shown: list[object] = [None] * len(places)
         self._progress_at = 0.0
         self._last_stamp: int | None = None
@@ -47,7 +47,7 @@ class StateReport:
             if out.is_read() and self._is_due(i, output, place):
                 s = self._states[i]
                 s.header = sample.header
-                fill(s, output.fields(place))
+                vars(s).update(output.fields(place))
                 s.time_step, s.compute_time = step, now - start
                 out.publish(s)
         if now - self._progress_at >= _PROGRESS:

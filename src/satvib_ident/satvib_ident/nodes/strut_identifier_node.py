@@ -11,7 +11,7 @@ more: it ends its subscriptions and costs nothing, until a new schedule or anoth
 
 import numpy as np
 from satvib_common.phases import Phase
-from satvib_common.ros.convert import check_period, fill
+from satvib_common.ros.convert import check_period, fill, set_header
 from satvib_common.ros.endpoints import Input
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
@@ -169,7 +169,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
 
     def _publish(self, sample: StrutAcceleration, found: Identification, after: int) -> None:
         m = self.message
-        m.header = sample.header
+        set_header(m, sample.header)
         m.sequence = sample.sequence
         fill(m, found.figures())
         m.next_sequence = after

@@ -5,7 +5,9 @@
 from typing import Any
 
 from satvib_common.ros.convert import set_stamp
+from satvib_common.ros.wire import blank
 
+from satvib_msgs.msg import StrutAcceleration
 from satvib_plant_sim.plant.plant import Sample
 
 
@@ -15,15 +17,14 @@ class StrutMessage:
     Args:
         index: of the strut.
         name: of the strut.
-        acceleration: an empty StrutAcceleration.
         period: s, between samples.
     """
 
-    def __init__(self, index: int, name: str, acceleration: Any, period: float) -> None:
+    def __init__(self, index: int, name: str, period: float) -> None:
         self.index, self.name = index, name
-        self.acceleration = acceleration
-        acceleration.header.frame_id = name
-        acceleration.sample_period = period
+        self.acceleration = blank(StrutAcceleration)
+        self.acceleration.header.frame_id = name
+        self.acceleration.sample_period = period
 
     def sampled(self, sample: Sample, stamp: int) -> Any:
         """Fill in a sample; `stamp` in ns."""

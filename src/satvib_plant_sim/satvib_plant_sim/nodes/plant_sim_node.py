@@ -47,9 +47,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.plant = plant = p.make_plant()
         self.names = list(strut_names(plant.struts))
         names = self.names
-        self.messages = [
-            StrutMessage(i, name, StrutAcceleration(), plant.dt) for i, name in enumerate(names)
-        ]
+        self.messages = [StrutMessage(i, name, plant.dt) for i, name in enumerate(names)]
         self.samples_out = [self.publish_on(StrutAcceleration, f'{n}/acceleration') for n in names]
         outs = [self.publish_on(StrutTruth, f'{n}/truth', spared=True) for n in names]
         truths = [StrutTruth(fine_period=plant.fine_period) for _ in names]
