@@ -55,7 +55,7 @@ def environment():
 def test_a_reader_that_stops_holds_the_writer_and_loses_nothing(reader):
     """Truth: the numbers 0 to LAST. The reader is stopped, and goes on when the writer has tried twice in vain."""
     import rclpy
-    from satvib_common.ros.endpoints import Output
+    from satvib_common.ros.delivery.endpoints import Output
     from satvib_common.ros.qos import offered
 
     from satvib_msgs.msg import VcaVoltage

@@ -23,8 +23,8 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from satvib_common.errors import RunError, SatvibError
 from satvib_common.realtime import settle_memory
-from satvib_common.ros.endpoints import Input, Output
-from satvib_common.ros.exchange import Exchange
+from satvib_common.ros.delivery.endpoints import Input, Output
+from satvib_common.ros.delivery.exchange import Exchange
 from satvib_common.ros.host import Host, close_nodes
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.place import placed

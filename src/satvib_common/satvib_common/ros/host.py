@@ -17,7 +17,7 @@ from rclpy.duration import Duration
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.task import Future
 
-from satvib_common.ros.exchange import RANKS, Exchange
+from satvib_common.ros.delivery.exchange import RANKS, Exchange
 from satvib_common.ros.node import DRAIN, SatvibNode
 
 # s, the longest time between two looks at signals

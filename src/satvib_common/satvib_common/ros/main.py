@@ -20,7 +20,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from satvib_common.errors import RunError, SatvibError
 from satvib_common.realtime import set_niceness, set_priority, set_processor, settle_memory
-from satvib_common.ros.exchange import Exchange
+from satvib_common.ros.delivery.exchange import Exchange
 from satvib_common.ros.host import Host, close_nodes
 from satvib_common.ros.node import DRAIN, SatvibNode
 from satvib_common.ros.place import placed

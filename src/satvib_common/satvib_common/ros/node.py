@@ -8,7 +8,7 @@
 A subclass builds its core and its publishers in `configure`, and its subscriptions in `activate`. So an inactive node
 costs nothing, and a node that is activated late still receives everything. With `autostart` (the default) a node
 activates itself. A node is alone in its process, or shares it with others; it is made at its place (`place`), and its
-messages go through `endpoints`, so that no node needs to know.
+messages go through `delivery`, so that no node needs to know.
 
 Every end of a node goes through `finish`, which sets the exit code and the last line of the process. Callbacks are
 registered through `guarded`: a `SatvibError` or `RunError` in a callback ends the process with that one line and no
@@ -27,8 +27,8 @@ from std_srvs.srv import Trigger
 
 from satvib_common.errors import RunError, SatvibError
 from satvib_common.realtime import tidy_memory
+from satvib_common.ros.delivery.endpoints import Input, Output
 from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF, Diagnostics
-from satvib_common.ros.endpoints import Input, Output
 from satvib_common.ros.names import shared, strut_of
 from satvib_common.ros.parameters import NodeParameters
 from satvib_common.ros.place import place_of_node

@@ -12,7 +12,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 from typing import Any
 
-from satvib_common.ros.exchange import Exchange
+from satvib_common.ros.delivery.exchange import Exchange
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,10 @@ import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.ros.convert import check_period, fill
+from satvib_common.ros.delivery.wire import blank
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import offered
 from satvib_common.ros.schedule_gate import ScheduleGate
-from satvib_common.ros.wire import blank
 from satvib_common.sequence import Arrival
 
 from satvib_control.core.controller import ControllerCore, ControllerOutput

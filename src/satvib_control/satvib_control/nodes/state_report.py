@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from satvib_common.ros.convert import nanoseconds
-from satvib_common.ros.wire import blank
+from satvib_common.ros.delivery.wire import blank
 
 from satvib_control.core.output import ControllerOutput
 from satvib_msgs.msg import ControllerState, StrutProgress

@@ -12,7 +12,7 @@ more: it ends its subscriptions and costs nothing, until a new schedule or anoth
 import numpy as np
 from satvib_common.phases import Phase
 from satvib_common.ros.convert import check_period, fill, set_header
-from satvib_common.ros.endpoints import Input
+from satvib_common.ros.delivery.endpoints import Input
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted

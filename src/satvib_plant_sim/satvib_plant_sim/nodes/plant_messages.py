@@ -5,7 +5,7 @@
 from typing import Any
 
 from satvib_common.ros.convert import set_stamp
-from satvib_common.ros.wire import blank
+from satvib_common.ros.delivery.wire import blank
 
 from satvib_msgs.msg import StrutAcceleration
 from satvib_plant_sim.plant.plant import Sample

@@ -16,13 +16,13 @@ pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"
 
 @pytest.fixture
 def exchange():
-    from satvib_common.ros.exchange import Exchange
+    from satvib_common.ros.delivery.exchange import Exchange
 
     return Exchange(closed=True)
 
 
 def listen(exchange, name, call, rank=0, raw=False):
-    from satvib_common.ros.exchange import Reader
+    from satvib_common.ros.delivery.exchange import Reader
 
     reader = Reader(call, rank, raw)
     exchange.attach(name, reader)
@@ -31,7 +31,7 @@ def listen(exchange, name, call, rank=0, raw=False):
 
 def test_a_copy_shares_nothing_with_a_message_that_is_refilled():
     """Truth: the message's own equality before, and what the copy holds after every field of the original changes."""
-    from satvib_common.ros.exchange import copy_of
+    from satvib_common.ros.delivery.exchange import copy_of
 
     model = messages.IirParameters(a=array('d', [1.0, 2.0]), reason='x', sequence=3)
     model.header.frame_id, model.header.stamp.sec = 'strut_1', 7
@@ -96,7 +96,7 @@ def test_raw_readers_get_the_bytes_of_the_wire(exchange):
 
 def test_who_listens_late_gets_the_newest_and_who_has_left_nothing(exchange):
     """Truth: transient local of depth 1, by hand."""
-    from satvib_common.ros.exchange import Reader
+    from satvib_common.ros.delivery.exchange import Reader
 
     first, late = [], []
     reader = listen(exchange, 'v', first.append)

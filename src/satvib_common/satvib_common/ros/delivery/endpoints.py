@@ -12,9 +12,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.subscription import Subscription
 
 from satvib_common.errors import RunError
-from satvib_common.ros.exchange import Exchange, Reader
+from satvib_common.ros.delivery.exchange import Exchange, Reader
+from satvib_common.ros.delivery.wire import wire_of
 from satvib_common.ros.qos import overridable
-from satvib_common.ros.wire import wire_of
 
 # s, with a reader that takes nothing; one that has ended without a word is forgotten after 20 s
 _PATIENCE = 30.0

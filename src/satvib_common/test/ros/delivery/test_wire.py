@@ -36,7 +36,7 @@ def filled(kind, rng):
 def test_the_bytes_are_those_of_the_middleware(name):
     """Truth: rclpy's own serialization, each way. Its padding is whatever was in memory, so fields are compared."""
     from rclpy.serialization import deserialize_message, serialize_message
-    from satvib_common.ros.wire import wire_of
+    from satvib_common.ros.delivery.wire import wire_of
 
     kind, rng = getattr(messages, name), np.random.default_rng(7)
     wire = wire_of(kind)
@@ -57,7 +57,7 @@ def test_the_bytes_are_those_of_the_middleware(name):
 def test_messages_without_a_header():
     """Truth: rclpy's own serialization, each way."""
     from rclpy.serialization import deserialize_message, serialize_message
-    from satvib_common.ros.wire import wire_of
+    from satvib_common.ros.delivery.wire import wire_of
     from std_msgs.msg import String, UInt64
 
     for message in (UInt64(data=2**63), String(data='text')):
@@ -71,7 +71,7 @@ def test_a_big_endian_message_is_read():
     """Truth: the fields, set by hand; bytes written by `struct` after the standard."""
     import struct
 
-    from satvib_common.ros.wire import wire_of
+    from satvib_common.ros.delivery.wire import wire_of
 
     data = struct.pack('>4siiI1s3xQd??', b'\0\0\0\0', 3, 4, 1, b'\0', 5, 0.5, True, False)
     record = wire_of(messages.VcaVoltage).unpack(data)
@@ -82,7 +82,7 @@ def test_a_big_endian_message_is_read():
 
 def test_what_holds_lists_has_no_wire():
     """Truth: the definitions of the messages."""
-    from satvib_common.ros.wire import wire_of
+    from satvib_common.ros.delivery.wire import wire_of
 
     assert wire_of(messages.IirParameters) is None
     assert wire_of(messages.Schedule) is None
