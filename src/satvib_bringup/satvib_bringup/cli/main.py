@@ -10,6 +10,7 @@ import sys
 
 import typer
 from satvib_common.errors import RunError, SatvibError
+from satvib_common.files.disk import disk_complaint
 
 from satvib_bringup.cli.commands import (
     bench,
@@ -66,6 +67,9 @@ def main() -> None:
         show('interrupted')
         sys.exit(130)
     except Exception as error:
+        if isinstance(error, OSError) and (complaint := disk_complaint(error)):
+            show(complaint)
+            sys.exit(2)
         if is_switched_off():
             raise
         show(last_resort(error, sys.argv[1:]))

@@ -280,8 +280,15 @@ class _Run:
         """Say why, and save the recording."""
         message = f'{ended} at sample {self.samples}' if self.samples else str(ended)
         if self.bag is not None and self.bag.exists() and not is_finished(self.bag):
-            saved = salvage(self.bag, self.graph.custom)
-            message += f'; {saved} messages of the unfinished recording are saved in {self.bag}'
+            try:
+                saved = salvage(self.bag, self.graph.custom)
+            except OSError as error:
+                message += (
+                    f'; the unfinished recording is in {self.bag}, and cannot be finished there: '
+                    f'{error.strerror}'
+                )
+            else:
+                message += f'; {saved} messages of the unfinished recording are saved in {self.bag}'
         return self._outcome(message, ended.code)
 
     def _outcome(self, wrong: str, code: int) -> Outcome:

@@ -3,7 +3,8 @@
 """Writes a rosbag2 bag (MCAP) from a thread of its own, so that no node waits for the disk.
 
 Five times a second what has been written is closed into a chunk and handed to the operating system: a recorder that is
-killed loses a fifth of a second, and `salvage` makes a bag of the rest.
+killed loses a fifth of a second, and `salvage` makes a bag of the rest. Before the disk is full the recording ends,
+while there is room for index and metadata.
 """
 
 import threading
@@ -17,9 +18,14 @@ from rosbags.interfaces import Connection, Qos
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.rosbag2.errors import WriterError
 from satvib_common.errors import RunError, SatvibError
+from satvib_common.files.disk import MEGABYTE, room_at
 
 _BATCH = 0.05  # s
 _FLUSH_EVERY = 4  # batches
+# bytes for what is under way and for metadata.yaml, and for the index of a chunk
+_ROOM, _ROOM_OF_CHUNK = 4 * MEGABYTE, 1000
+# bytes without which no recording begins
+_ROOM_TO_BEGIN = 4 * _ROOM
 
 
 @dataclass
@@ -42,15 +48,22 @@ class BagSink:
         custom: texts stored beside the messages.
 
     Raises:
-        SatvibError: the folder exists or cannot be made.
+        SatvibError: the folder exists, cannot be made, or has no room.
     """
 
     def __init__(self, folder: Path, custom: Mapping[str, str]) -> None:
         self.folder = folder
         self.written = 0
         self._failure: Exception | None = None
+        self._full = ''
+        self._chunks = 0
         self._queue: deque[tuple[Channel, int, bytes]] = deque()
         self._end = threading.Event()
+        if (room := room_at(folder)) < _ROOM_TO_BEGIN:
+            raise SatvibError(
+                f'{folder}: the disk has {room / MEGABYTE:.0f} MB left, a recording needs '
+                f'{_ROOM_TO_BEGIN / MEGABYTE:.0f}; make room'
+            )
         self._writer = open_bag(folder, custom)
         self._thread = threading.Thread(target=self._work, name='bag', daemon=True)
         self._thread.start()
@@ -67,6 +80,8 @@ class BagSink:
         """
         if self._failure is not None:
             raise RunError(f'{self.folder}: cannot be written: {self._failure}')
+        if self._full:
+            raise RunError(f'{self.folder}: {self._full}')
 
     def close(self) -> None:
         """Write what is left, index and metadata.
@@ -76,7 +91,8 @@ class BagSink:
         """
         self._end.set()
         self._thread.join()
-        self.check()
+        if self._failure is not None:
+            self.check()
         try:
             self._writer.close()
         except OSError as error:
@@ -86,14 +102,24 @@ class BagSink:
     def _work(self) -> None:
         batches = 0
         try:
-            while not self._end.wait(_BATCH):
+            while not self._end.wait(_BATCH) and not self._full:
                 self._write_queue()
                 batches += 1
                 if batches % _FLUSH_EVERY == 0:
                     self._flush()
-            self._write_queue()
+                    self._look_at_the_disk()
+            if not self._full:
+                self._write_queue()
         except OSError as error:
             self._failure = error
+
+    def _look_at_the_disk(self) -> None:
+        room = room_at(self.folder)
+        if room < _ROOM + _ROOM_OF_CHUNK * self._chunks:
+            self._full = (
+                f'the disk is full ({room / MEGABYTE:.1f} MB left); the recording ends here and is '
+                'whole so far'
+            )
 
     def _write_queue(self) -> None:
         queue, write = self._queue, self._writer.write
@@ -117,6 +143,7 @@ class BagSink:
         storage: Any = self._writer.storage
         if storage.chunk.bio.tell():
             storage.close_chunk()
+            self._chunks += 1
             storage.bio.flush()
 
 

@@ -30,17 +30,22 @@ def salvage(bag: Path, custom: Mapping[str, str]) -> int:
 
     Returns:
         How many messages there are; 0: nothing was left, and nothing is changed.
+
+    Raises:
+        OSError: there is no room for a second bag; the unfinished one is as it was.
     """
     broken = next(iter(bag.glob('*.mcap')), None)
     if broken is None or is_finished(bag):
         return 0
     workshop = bag.with_name(f'.{bag.name}.salvage')
     shutil.rmtree(workshop, ignore_errors=True)
-    count = _copy(broken, workshop / bag.name, custom)
-    if count:
-        shutil.rmtree(bag)
-        (workshop / bag.name).rename(bag)
-    shutil.rmtree(workshop, ignore_errors=True)
+    try:
+        count = _copy(broken, workshop / bag.name, custom)
+        if count:
+            shutil.rmtree(bag)
+            (workshop / bag.name).rename(bag)
+    finally:
+        shutil.rmtree(workshop, ignore_errors=True)
     return count
 
 

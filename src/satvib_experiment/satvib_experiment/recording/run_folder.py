@@ -7,11 +7,14 @@ from pathlib import Path
 
 import yaml
 from satvib_common.errors import SatvibError
+from satvib_common.files.disk import MEGABYTE, room_at
 from satvib_common.files.folder_name import check_folder_name
 
 from satvib_experiment.scenario.scenario import Scenario
 
 RUNS = Path('runs')
+# bytes of a report with its figures, and some
+_ROOM = 8 * MEGABYTE
 
 
 def free_run_folder(name: str, wanted: Path | None = None, base: Path = RUNS) -> Path:
@@ -38,12 +41,26 @@ def free_run_folder(name: str, wanted: Path | None = None, base: Path = RUNS) ->
     return base / f'{name}-{1 + max(numbers, default=0):03d}'
 
 
+def check_room(folder: Path) -> None:
+    """Refuse to begin something long whose result would not fit on the disk.
+
+    Raises:
+        SatvibError: there is less than a report takes.
+    """
+    if (room := room_at(folder)) < _ROOM:
+        raise SatvibError(
+            f'{folder}: the disk has {room / MEGABYTE:.1f} MB left, a run needs '
+            f'{_ROOM / MEGABYTE:.0f}; make room'
+        )
+
+
 def make_run_folder(folder: Path) -> None:
     """Make the folder of a run.
 
     Raises:
-        SatvibError: it is there already, or the place cannot be written.
+        SatvibError: it is there already, the place cannot be written, or the disk is as good as full.
     """
+    check_room(folder)
     try:
         folder.mkdir(parents=True)
     except FileExistsError:
