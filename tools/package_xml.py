@@ -32,6 +32,7 @@ KEYS = {
     'ruamel': 'python3-ruamel.yaml',
     'scipy': 'python3-scipy',
     'serial': 'python3-serial',
+    'tornado': 'python3-tornado',
     'typer': 'python3-typer',
     'yaml': 'python3-yaml',
 }

@@ -4,13 +4,15 @@
 
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import yaml
 from satvib_common.errors import SatvibError
 from satvib_common.files.disk import MEGABYTE, room_at
 from satvib_common.files.folder_name import check_folder_name
 
-from satvib_experiment.scenario.scenario import Scenario
+if TYPE_CHECKING:  # it brings all that a scenario is made of
+    from satvib_experiment.scenario.scenario import Scenario
 
 RUNS = Path('runs')
 # bytes of a report with its figures, and some
@@ -75,7 +77,7 @@ def _number(folder: str, name: str) -> int:
     return int(found[1]) if found else 0
 
 
-def write_scenario(scenario: Scenario, folder: Path) -> None:
+def write_scenario(scenario: 'Scenario', folder: Path) -> None:
     """Write the scenario as it was run, overrides included, to scenario.yaml.
 
     Raises:

@@ -4,7 +4,8 @@
 
 import numpy as np
 from satvib_common.phases import Phase
-from satvib_experiment.analysis.running_attenuation import RunningAttenuation, TwinProgress
+from satvib_experiment.analysis.running_attenuation import RunningAttenuation
+from satvib_experiment.analysis.twin_progress import TwinProgress
 from satvib_experiment.twin.closed_loop import ClosedLoop
 
 

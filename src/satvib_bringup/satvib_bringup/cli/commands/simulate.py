@@ -16,7 +16,7 @@ def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder =
 
     Exit code 3: the run is no result (no trusted model, no voltage under control).
     """
-    from satvib_experiment.analysis.running_attenuation import TwinProgress
+    from satvib_experiment.analysis.twin_progress import TwinProgress
     from satvib_experiment.recording.run_folder import (
         free_run_folder,
         make_run_folder,

@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""The topics of one strut, heard cheaply: bytes are kept as they come, and read a few times a second.
+
+Best effort: no writer ever waits for the page. Of samples and voltages every message is wanted, of states and models
+the newest.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+from rclpy.subscription import Subscription
+from satvib_experiment.recording.cdr import sequence_and_figures
+
+from satvib_bringup.watch.samples import Column
+from satvib_bringup.watch.strut import WatchedStrut
+from satvib_msgs.msg import (
+    ControllerState,
+    IirParameters,
+    StrutAcceleration,
+    StrutProgress,
+    VcaVoltage,
+)
+
+# of a message, what no page shows
+_HIDDEN = ('header', 'covariance')
+_MOST = 1000  # messages between two looks
+
+
+def latest(depth: int) -> QoSProfile:
+    """Hear what comes, and let nobody wait."""
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.VOLATILE,
+    )
+
+
+class StrutTopics:
+    """The subscriptions of one strut.
+
+    Args:
+        node: that listens.
+        strut: takes what is heard.
+    """
+
+    def __init__(self, node: Node, strut: WatchedStrut) -> None:
+        self._node, self._strut = node, strut
+        self._subscriptions: list[Subscription] = []  # without that of the progress
+        self._many: dict[str, list[bytes]] = {}
+        self._newest: dict[str, tuple[Any, bytes]] = {}
+        self.has_progress = False
+        self._progress = self._hear_newest('progress', StrutProgress)
+
+    @property
+    def hears_samples(self) -> bool:
+        """Whether `hear_samples` was called."""
+        return 'acceleration' in self._many
+
+    def hear_samples(self) -> None:
+        """Hear everything."""
+        for topic, kind in (('acceleration', StrutAcceleration), ('voltage', VcaVoltage)):
+            self._subscriptions.append(self._hear_many(topic, kind))
+        for topic, kind in (
+            ('controller_state', ControllerState),
+            ('identified_model', IirParameters),
+        ):
+            self._subscriptions.append(self._hear_newest(topic, kind))
+
+    def collect(self) -> None:
+        """Hand over what has come since the last call."""
+        strut = self._strut
+        if rows := self._many.get('acceleration'):
+            strut.take_accelerations([sequence_and_figures(m, 3) for m in rows])
+            rows.clear()
+        for topic, column in (('voltage', Column.ASKED), ('applied_voltage', Column.APPLIED)):
+            if rows := self._many.get(topic):
+                strut.take_voltages(column, [sequence_and_figures(m, 1) for m in rows])
+                rows.clear()
+        newest, self._newest = self._newest, {}
+        for topic, (kind, message) in newest.items():
+            read = deserialize_message(message, kind)
+            if topic == 'progress':
+                strut.take_progress(read.sequence, read.phase, read.upper_rms)
+                continue
+            figures = {
+                name: getattr(read, name)
+                for name in read.get_fields_and_field_types()
+                if name not in _HIDDEN
+            }
+            (strut.take_state if topic == 'controller_state' else strut.take_model)(figures)
+
+    def rest(self) -> None:
+        """Hear no samples any more, until the strut speaks again."""
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
+        self._subscriptions.clear()
+        self._many.clear()
+        self.has_progress = False
+
+    def _hear_many(self, topic: str, kind: Any) -> Subscription:
+        rows = self._many[topic] = []
+
+        def take(message: bytes) -> None:
+            if len(rows) < _MOST:
+                rows.append(message)
+
+        return self._subscribe(topic, kind, take, _MOST)
+
+    def _hear_newest(self, topic: str, kind: Any) -> Subscription:
+        def take(message: bytes) -> None:
+            self._newest[topic] = (kind, message)
+            self.has_progress |= topic == 'progress'
+
+        return self._subscribe(topic, kind, take, 1)
+
+    def _subscribe(
+        self, topic: str, kind: Any, take: Callable[[bytes], None], depth: int
+    ) -> Subscription:
+        name = f'/{self._strut.name}/{topic}'
+        return self._node.create_subscription(kind, name, take, latest(depth), raw=True)

@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""A real Chromium without a window, driven over its DevTools protocol."""
+
+import asyncio
+import base64
+import json
+import shutil
+import subprocess
+import threading
+import time
+import urllib.request
+from pathlib import Path
+from typing import Any
+
+from tornado.websocket import WebSocketClientConnection, websocket_connect
+
+PROGRAMS = ('chromium-headless-shell', 'chromium', 'chromium-browser', 'google-chrome')
+LIMIT = 60.0  # s
+
+
+def program() -> str | None:
+    """The browser of this machine; None where there is none."""
+    return next((found for name in PROGRAMS if (found := shutil.which(name))), None)
+
+
+class Browser:
+    """A browser process; its pages are driven from any thread."""
+
+    def __init__(self, folder: Path) -> None:
+        command = [str(program()), '--headless', '--no-sandbox', '--disable-gpu']
+        command += ['--remote-debugging-port=0', f'--user-data-dir={folder}', '--no-first-run']
+        command += ['--disable-dev-shm-usage', 'about:blank']
+        self.log = (folder.parent / 'browser.log').open('wb')
+        self.popen = subprocess.Popen(command, stdout=self.log, stderr=subprocess.STDOUT)
+        said = folder / 'DevToolsActivePort'
+        deadline = time.monotonic() + LIMIT
+        while not (said.is_file() and len(said.read_text().split()) == 2):
+            assert self.popen.poll() is None, 'the browser has ended'
+            assert time.monotonic() < deadline, 'the browser does not begin'
+            time.sleep(0.05)
+        self.port = int(said.read_text().split()[0])
+        self.loop = asyncio.new_event_loop()
+        self.thread = threading.Thread(target=self.loop.run_forever, daemon=True)
+        self.thread.start()
+
+    def open(self, address: str, width: int = 1280, height: int = 1000) -> 'Page':
+        """Open a page in a new tab."""
+        request = urllib.request.Request(
+            f'http://127.0.0.1:{self.port}/json/new?about:blank', method='PUT'
+        )
+        with urllib.request.urlopen(request, timeout=LIMIT) as answer:
+            target = json.load(answer)
+        page = Page(self, target['webSocketDebuggerUrl'])
+        size = {'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': False}
+        page.ask('Emulation.setDeviceMetricsOverride', **size)
+        page.ask('Page.navigate', url=address)
+        page.wait(f"location.href.startsWith('{address}') && document.readyState === 'complete'")
+        return page
+
+    def close(self) -> None:
+        """End it."""
+        self.popen.terminate()
+        try:
+            self.popen.wait(10)
+        except subprocess.TimeoutExpired:
+            self.popen.kill()
+            self.popen.wait()
+        self.loop.call_soon_threadsafe(self.loop.stop)
+        self.thread.join(10)
+        self.loop.close()
+        self.log.close()
+
+
+class Page:
+    """One tab."""
+
+    def __init__(self, browser: Browser, address: str) -> None:
+        self._loop = browser.loop
+        self._next = 0
+        self._socket: WebSocketClientConnection = self._run(self._connect(address))
+
+    def _run(self, task: Any) -> Any:
+        return asyncio.run_coroutine_threadsafe(task, self._loop).result(LIMIT)
+
+    @staticmethod
+    async def _connect(address: str) -> WebSocketClientConnection:
+        return await websocket_connect(address, max_message_size=100_000_000)
+
+    def ask(self, method: str, **parameters: Any) -> Any:
+        """Call a method of the DevTools protocol."""
+        return self._run(self._ask(method, parameters))
+
+    async def _ask(self, method: str, parameters: dict[str, Any]) -> Any:
+        self._next += 1
+        number = self._next
+        request = {'id': number, 'method': method, 'params': parameters}
+        await self._socket.write_message(json.dumps(request))
+        while True:
+            message = await self._socket.read_message()
+            assert message is not None, 'the browser has closed the page'
+            answer = json.loads(message)
+            if answer.get('id') == number:
+                assert 'error' not in answer, answer
+                return answer['result']
+
+    def evaluate(self, expression: str) -> Any:
+        """Value of an expression in the page."""
+        found = self.ask('Runtime.evaluate', expression=expression, returnByValue=True)
+        assert 'exceptionDetails' not in found, found
+        return found['result'].get('value')
+
+    def wait(self, expression: str, limit: float = LIMIT) -> Any:
+        """Wait until an expression is true in the page; gives its value."""
+        deadline = time.monotonic() + limit
+        while not (value := self.evaluate(expression)):
+            assert time.monotonic() < deadline, f'waited in vain for {expression}'
+            time.sleep(0.05)
+        return value
+
+    def screenshot(self, path: Path, whole: bool = False) -> None:
+        """Write what the page shows to a PNG file."""
+        options: dict[str, Any] = {'format': 'png', 'captureBeyondViewport': whole}
+        data = self.ask('Page.captureScreenshot', **options)['data']
+        path.write_bytes(base64.b64decode(data))
+
+    def heap(self) -> int:
+        """Bytes that the page's scripts use, after a collection."""
+        self.ask('HeapProfiler.collectGarbage')
+        return int(self.ask('Runtime.getHeapUsage')['usedSize'])
+
+    def close(self) -> None:
+        """Close the tab."""
+        self.ask('Page.close')
