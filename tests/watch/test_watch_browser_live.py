@@ -79,15 +79,15 @@ def test_the_page_draws_and_a_field_sets_a_parameter(start, schedule, probe, wat
         f"(() => {{ const n = document.getElementById('node'); n.value = '{node}'; n.onchange(); }})()"
     )
     field = "document.querySelector('[data-parameter=voltage_limit] input')"
-    page.wait(f"Boolean({field})")
+    page.wait(f'Boolean({field})')
     page.evaluate(
-        f"(() => {{ const f = {field}; f.value = '3.5'; f.dispatchEvent(new Event('change')); }})()"
+        f"(() => {{ const f = {field}; f.value = '12.5'; f.dispatchEvent(new Event('change')); }})()"
     )
+    other.wait("document.getElementById('lines').textContent.includes('voltage_limit')")
+    assert 'voltage_limit = 12.5' in other.evaluate("document.getElementById('lines').textContent")
     request = GetParameters.Request(names=['voltage_limit'])
-    probe.wait(
-        lambda: probe.call(GetParameters, f'{node}/get_parameters', request).values[0].double_value == 3.5
-    )  # fmt: skip
-    other.wait("document.getElementById('lines').textContent.includes('voltage_limit = 3.5')")
+    answer = probe.call(GetParameters, f'{node}/get_parameters', request)
+    assert answer.values[0].double_value == 12.5
 
 
 def test_the_page_comes_back_when_its_server_was_away(watch, browser):
@@ -117,12 +117,12 @@ def grown(start, schedule, watch, browser, settle: float, last: float) -> tuple[
     return after[0] / before[0], after[1] / before[1]
 
 
-def test_memory_does_not_grow_in_three_quarters_of_a_minute(start, schedule, watch, browser):
+def test_memory_does_not_grow_in_half_a_minute(start, schedule, watch, browser):
     """Truth: the operating system, and the browser's own count after a collection; a tenth for what is settling.
 
     What is kept of samples is full after 12 s; of gains, after 60 s, which is a few kilobytes.
     """
-    server, page = grown(start, schedule, watch, browser, settle=20.0, last=45.0)
+    server, page = grown(start, schedule, watch, browser, settle=15.0, last=40.0)
     assert server < 1.05
     assert page < 1.2
 

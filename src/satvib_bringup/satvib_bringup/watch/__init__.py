@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""`satvib watch`: a local web page of a running graph. Public: `SampleRing`, `WatchedGraph`, `WatchedStrut`."""
+"""`satvib watch`: a local web page of a running graph."""
 
 from typing import TYPE_CHECKING
 

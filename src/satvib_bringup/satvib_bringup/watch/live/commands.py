@@ -3,6 +3,7 @@
 """What the buttons and fields of a page do."""
 
 import asyncio
+import contextlib
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Protocol
 
@@ -46,7 +47,9 @@ class Commands:
         try:
             if act is None:
                 raise SatvibError(f'{request["do"]!r} is no command')
-            await act(request, page)
+            # a page that ends with its process asks no more
+            with contextlib.suppress(asyncio.CancelledError):
+                await act(request, page)
         except (SatvibError, RunError, OSError) as error:
             self._graph.say(str(error), well=False)
 

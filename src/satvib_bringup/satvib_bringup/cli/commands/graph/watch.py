@@ -33,7 +33,7 @@ def watch(
     and the parameters that can change while nodes run. Ctrl-C ends it; the graph does not notice.
     """
     try:
-        from satvib_bringup.watch.live.watch import watch as serve
+        from satvib_bringup.watch.live.process import watch as serve
     except ModuleNotFoundError as error:
         raise SatvibError(
             f'the module {error.name} is not there: watching needs the built workspace; start it as '
