@@ -36,6 +36,20 @@ def test_every_composition_equals_the_offline_twin(composition, tmp_path, domain
     assert started == ({'plant_sim', 'recorder'} | struts if composition == 'strut' else set())
 
 
+@pytest.mark.parametrize(
+    ('law', 'composition'), [('narrowband', 'separate'), ('feedforward', 'single')]
+)
+def test_laws_that_take_their_model_between_two_samples(law, composition, tmp_path, domain):  # noqa: ARG001
+    """Truth: the offline twin, which takes it within the sample; every bit."""
+    from satvib_experiment.recording.recording import differences
+    from satvib_experiment.scenario.scenario import load_scenario
+    from satvib_experiment.twin.closed_loop import simulate
+
+    scenario = load_scenario('quick_3dof', [f'controller.law={law}', 'model_period=30'])
+    _, run = recorded(scenario, tmp_path / 'run', composition)
+    assert differences(run, simulate(scenario)) == []
+
+
 def test_the_centralized_scheme_in_one_process(tmp_path, domain):  # noqa: ARG001
     """Truth: the offline twin, every bit; its identifiers have nothing to hear."""
     from satvib_experiment.recording.recording import differences

@@ -161,6 +161,20 @@ class ControllerCore:
         # a design costs, and most hand-overs after IDENTIFY bring nothing new
         self._waiting = (model, use, covariance) if use.any() else None
 
+    @property
+    def designs_wait(self) -> bool:
+        """Whether a model waits for the first sample on which the law may take it."""
+        return self._waiting is not None
+
+    def prepare(self, phase: Phase) -> None:
+        """Give the law the model that waits for it already now, before the next sample, which is of `phase`.
+
+        That sample would begin with it, so no bit changes; but its voltage need not wait for a design of 1 or 2 ms. Not
+        when `set_model` will still be called for that sample.
+        """
+        if phase not in {Phase.CALIBRATE, Phase.IDENTIFY}:
+            self._hand_over_model()
+
     def apply(self, parameters: ControllerParameters) -> None:
         """Take new values of the parameters that are not read-only."""
         self.parameters = parameters

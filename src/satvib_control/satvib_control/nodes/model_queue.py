@@ -65,6 +65,11 @@ class ModelQueue(Generic[M]):
                 self._in_force_until = 0
                 self._model_restarts = self._sample_restarts
 
+    @property
+    def newest(self) -> int:
+        """The sample that the newest model includes last; -1: no model waits."""
+        return self._models[-1][0] if self._models else -1
+
     def take(self, k: int, plan: PhasePlan) -> tuple[bool, M | None]:
         """Give whether sample k has all it needs, and the model that it takes, if any."""
         due = plan.is_hand_over(k, self.period)

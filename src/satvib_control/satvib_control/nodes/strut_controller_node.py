@@ -70,6 +70,24 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
                 self._set_model(model)
             self.waiting.popleft()
             self.answer(sample.sequence, [sample], plan, arrival)
+            self._prepare(plan)
+
+    def _prepare(self, plan: PhasePlan) -> None:
+        """Between two samples, do what the next one would begin with: its voltage then waits for no design."""
+        if (
+            self.last is None
+            or self.waiting
+            or not (self.core.designs_wait or self.models.newest >= 0)
+        ):
+            return
+        k = self.last.sequence + 1
+        if plan.is_hand_over(k, self.models.period):
+            if self.models.newest != k - 1:
+                return  # its model is still to come
+            _, model = self.models.take(k, plan)
+            if model is not None:
+                self._set_model(model)
+        self.core.prepare(plan.at(k))
 
     def _is_judged(self, k: int) -> bool:
         """Whether what a supervisor asks from sample k on is known."""
@@ -84,6 +102,8 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         self.check_period(f'{self.strut} identified_model', message)
         self.models.add(message.sequence, message, self.plan, message.next_sequence)
         self.proceed()
+        if self.plan is not None:
+            self._prepare(self.plan)
 
     def _on_acceleration(self, message: StrutAcceleration) -> None:
         arrival = self.tracker.classify(message.sequence)
