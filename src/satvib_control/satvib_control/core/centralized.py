@@ -16,6 +16,7 @@ from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.core.clipping_watch import ClippingWatch
 from satvib_control.core.controller import ControllerCore
+from satvib_control.core.vibration_memory import Peek, Slot
 from satvib_control.core.vibration_watch import VibrationWatch
 from satvib_control.laws.centralized.parameters import CentralizedParameters
 from satvib_control.parameters import ControllerParameters
@@ -60,6 +61,9 @@ class _CommonWatch(VibrationWatch):
     in_turn = False
 
     def step(self, y: Array, applied: Array, acting: bool, silent: bool) -> tuple[Array, Integers]:
+        # no short look: one strut's whole pause takes the voltage off all of them, so the others gain nothing by
+        # shorter ones, and hear a power that this pause has raised: their law seems to calm when it only comes back
+        self._memory[..., Slot.PEEK] = Peek.NO
         scale, verdict = super().step(y, applied, acting, silent)
         least = np.broadcast_to(np.min(scale, axis=-1, keepdims=True), self.shape)
         return least, _worst(verdict)

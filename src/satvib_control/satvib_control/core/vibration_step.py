@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """One sample of the vibration watch, for one strut; the states are explained in `vibration_watch`."""
 
-from enum import IntEnum
-
 import numpy as np
-from satvib_common.arrays import Array, Mask
 from satvib_common.kernels.compile import kernel
 from satvib_common.kernels.deferred import njit
+
+from satvib_control.core.vibration_memory import Peek, Setting, Slot, State, Verdict
 
 LEVEL_TIME, QUICK_TIME = 0.5, 0.06  # s; two periods of the lowest tone that matters
 PAST_TIME, BASE_TIME = 1.0, 1.5  # s
@@ -32,72 +31,19 @@ SETTLE_TIME = 1.0  # s of ACTING before the usual level is learnt
 UNUSUAL = 2.5
 WELL_BELOW = 0.1  # 10 dB below the base nothing is unusual: an open loop rarely falls by more
 PATIENCE_UNUSUAL = 1.5  # s; doubles with each pause that shows the law was not the cause
+# s at the level of the base, longer at a lower one, until the base is heard again; doubles where the law was not the
+# cause and the level stays what it is
+DOUBT, LONGEST_DOUBT = 2.0, 16.0
+GUESSED_DOUBT = (
+    1.0  # s; the same where the base is that of a peek, which may have heard a mode that rings
+)
+FALLS = 0.67  # of the level of a second ago: it falls by itself, or is random
+FIRST_TIME = 3.0  # s of CONTROL before the level counts as settled
+OTHER = 1.8  # ratio of powers: another level is another doubt
+BELOW = 2.5  # the base is 4 dB below the usual limit
+FAR_BELOW = 0.05  # 13 dB below the base there is no doubt
+CALMS = 0.5  # of the base; so much is lost by a whole pause that a peek comes first
 EFFORT = 1e-7  # (0.03 % of the limit)^2: at 0 V the law is not the cause
-
-
-class State(IntEnum):
-    """What the watch does; see the module's table."""
-
-    LISTENING = 0
-    ACTING = 1
-    PAUSING = 2
-    WAITING = 3
-    RETURNING = 4
-
-
-class Peek(IntEnum):
-    """Whether a short pause may be enough."""
-
-    NO = 0
-    POSSIBLE = 1
-    TO_CONFIRM = 2
-
-
-class Verdict(IntEnum):
-    """What a sample brings."""
-
-    NONE = 0
-    STRIKE = 1
-    FAILED = 2
-
-
-class Slot(IntEnum):
-    """Memory of one strut; powers in (m/s^2)^2, times in s."""
-
-    STATE = 0
-    CLOCK = 1  # since the state began
-    LEVEL = 2  # power, LEVEL_TIME
-    QUICK = 3  # power, QUICK_TIME
-    BASE = 4  # power at 0 V
-    HEARD = 5  # how long the base has been listened to
-    EFFORT = 6  # power of the applied voltage as a share of its limit
-    LOUD = 7  # how long it has been loud
-    BEFORE = 8  # power when the pause began
-    BLOCK = 9  # energy of the present block
-    BLOCK_TIME = 10  # its length
-    LAST_BLOCK = 11  # power of the block before
-    STRUCK = 12  # 1 where the pause follows a strike, which it must not repeat
-    QUIET = 13  # how long it has been quiet while waiting
-    SHARE = 14  # of the law's voltage
-    STRIKES = 15
-    PAUSES = 16  # in which the power fell, since the last peace
-    PEACE = 17  # s without a pause
-    SLOW = 18  # usual power under control
-    ACTED = 19  # s since the law came back
-    STRANGE = 20  # how long the level has been unusual
-    PATIENCE = 21  # for that
-    PAST = 22  # power, PAST_TIME
-    PEEK = 23  # a `Peek`
-    BASE_BEFORE = 24  # power at 0 V before a peek
-
-
-class Setting(IntEnum):
-    """What the watch is told."""
-
-    DT = 0
-    FLOOR = 1  # m/s^2
-    ORDER = 2  # turns that this strut waits
-    RATIO = 3  # of powers, above which it is loud
 
 
 @njit
@@ -164,6 +110,7 @@ def _pause(memory):
     memory[Slot.STRUCK] = memory[Slot.PEACE] = 0.0
     memory[Slot.ACTED] = memory[Slot.STRANGE] = 0.0
     memory[Slot.PEEK] = Peek.NO.value
+    memory[Slot.DOUBT] = memory[Slot.LOOK] = 0.0
     _go(memory, State.PAUSING)
 
 
@@ -184,11 +131,47 @@ def _act(memory, settings):
         memory[Slot.PEACE] = memory[Slot.PAUSES] = 0.0
         memory[Slot.STRIKES] = max(memory[Slot.STRIKES] - 1.0, 0.0)
     loud = _is_loud_for(memory, settings, PATIENCE)
-    if (_is_unusual(memory, settings) or loud) and memory[Slot.EFFORT] > EFFORT:
-        steady = memory[Slot.LEVEL] < STEADY * memory[Slot.PAST]
+    loud = _is_unusual(memory, settings) or loud
+    doubted = _is_doubted(memory, settings)
+    if (loud or doubted) and memory[Slot.EFFORT] > EFFORT:
+        peeks = memory[Slot.LEVEL] < STEADY * memory[Slot.PAST]
+        if not loud:
+            peeks = peeks and memory[Slot.LEVEL] < CALMS * memory[Slot.BASE]
         _pause(memory)
-        memory[Slot.PEEK] = Peek.POSSIBLE.value if steady else Peek.NO.value
+        memory[Slot.LOOK] = 0.0 if loud else 1.0
+        memory[Slot.PEEK] = Peek.POSSIBLE.value if peeks else Peek.NO.value
     return Verdict.NONE
+
+
+@njit
+def _is_doubted(memory, settings):
+    """Whether the open loop may have fallen for so long that the base is to be heard again."""
+    dt = settings[Setting.DT]
+    if memory[Slot.ACTED] <= SETTLE_TIME or memory[Slot.CHANGED] < 0.0:
+        memory[Slot.LOOKED] = memory[Slot.LEVEL]
+        if memory[Slot.CHANGED] < 0.0:
+            memory[Slot.CHANGED] = min(memory[Slot.CHANGED] + dt, 0.0)
+    elif memory[Slot.LEVEL] > memory[Slot.LOOKED] * OTHER:
+        memory[Slot.LOOKED] = memory[Slot.LEVEL]
+        memory[Slot.CHANGED] = 1.0
+        memory[Slot.DOUBT_TIME] = min(memory[Slot.DOUBT_TIME], DOUBT)
+    elif memory[Slot.LEVEL] * OTHER < memory[Slot.LOOKED]:
+        memory[Slot.LOOKED] = memory[Slot.LEVEL]
+        memory[Slot.CHANGED] = 1.0
+    if memory[Slot.LEVEL] < FALLS * memory[Slot.PAST]:
+        memory[Slot.DOUBT] = 0.0
+    elif memory[Slot.CHANGED] > 0.0 and memory[Slot.LEVEL] > _limit(0.0, settings):
+        part = BELOW * memory[Slot.LEVEL] / _limit(memory[Slot.BASE], settings)
+        if part > FAR_BELOW:
+            memory[Slot.DOUBT] += min(np.sqrt(part), 1.0) * dt
+    return memory[Slot.DOUBT] > memory[Slot.DOUBT_TIME]
+
+
+@njit
+def _doubt_less(memory):
+    """The law was not the cause."""
+    memory[Slot.CHANGED] = 0.0
+    memory[Slot.DOUBT_TIME] = min(2.0 * max(memory[Slot.DOUBT_TIME], DOUBT), LONGEST_DOUBT)
 
 
 @njit
@@ -204,8 +187,14 @@ def _peek(memory, settings, y):
     power = memory[Slot.BLOCK] / memory[Slot.BLOCK_TIME]
     memory[Slot.BLOCK] = memory[Slot.BLOCK_TIME] = 0.0
     memory[Slot.PEEK] = Peek.NO.value
-    if power < RISEN * max(memory[Slot.BEFORE], memory[Slot.BASE]):
+    looks = memory[Slot.LOOK] > 0.0
+    if power < RISEN * max(memory[Slot.BEFORE], 0.0 if looks else memory[Slot.BASE]):
         return False
+    if looks:
+        _doubt_less(memory)
+        _go(memory, State.RETURNING)
+        return True
+    memory[Slot.CHANGED], memory[Slot.DOUBT_TIME] = 1.0, GUESSED_DOUBT
     memory[Slot.PEEK] = Peek.TO_CONFIRM.value
     memory[Slot.BASE_BEFORE] = memory[Slot.BASE]
     memory[Slot.BASE] = power
@@ -264,14 +253,17 @@ def _judge(memory):
     fell = memory[Slot.BEFORE] > 2.0 * heard
     verdict = Verdict.NONE
     if not fell:
-        memory[Slot.PATIENCE] = min(
-            2.0 * max(memory[Slot.PATIENCE], PATIENCE_UNUSUAL), FORGIVE_TIME
-        )
+        if memory[Slot.LOOK] == 0.0:
+            memory[Slot.PATIENCE] = min(
+                2.0 * max(memory[Slot.PATIENCE], PATIENCE_UNUSUAL), FORGIVE_TIME
+            )
+        _doubt_less(memory)
         memory[Slot.BASE] = heard
         _go(memory, State.RETURNING)
         return verdict
     memory[Slot.BASE] = min(memory[Slot.BASE], heard) if memory[Slot.BASE] > 0.0 else heard
-    if memory[Slot.STRUCK] == 0.0:
+    memory[Slot.CHANGED], memory[Slot.DOUBT_TIME] = 0.0, DOUBT
+    if memory[Slot.STRUCK] == 0.0 and memory[Slot.LOOK] == 0.0:
         memory[Slot.PAUSES] += 1.0
         if memory[Slot.PAUSES] > 1.0:
             verdict = _strike(memory)
@@ -325,6 +317,8 @@ def _one(memory, settings, y, effort, acting, silent):
         return memory[Slot.SHARE], Verdict.NONE
     state, verdict = int(memory[Slot.STATE]), Verdict.NONE
     if state == State.LISTENING:
+        memory[Slot.DOUBT], memory[Slot.DOUBT_TIME] = 0.0, DOUBT
+        memory[Slot.CHANGED] = -FIRST_TIME
         _go(memory, State.ACTING)
     elif state == State.ACTING:
         verdict = _act(memory, settings)
@@ -354,46 +348,3 @@ def watch_step(y, effort, acting, silent, settings, memory, share, verdict):
     """Judge a sample: the share of the law's voltage that is let through, and the `Verdict`; see `VibrationWatch`."""
     share[0], code = _one(memory, settings, y, effort, acting > 0.0, silent > 0.0)
     verdict[0] = code.value
-
-
-def settings_of(dt: float, floor: float, ratio: float, order: Array) -> Array:
-    """Give the settings (*shape, 4): s, m/s^2, ratio of powers, turns that each strut waits (shape)."""
-    settings = np.zeros((*order.shape, len(Setting)))
-    settings[..., Setting.DT] = dt
-    settings[..., Setting.FLOOR] = floor
-    settings[..., Setting.RATIO] = ratio
-    settings[..., Setting.ORDER] = order
-    return settings
-
-
-def fresh_memory(shape: tuple[int, ...]) -> Array:
-    """Give the memory before the first sample."""
-    memory = np.zeros((*shape, len(Slot)))
-    memory[..., Slot.SHARE] = 1.0
-    return memory
-
-
-def is_off(memory: Array) -> Mask:
-    """Where (shape) the voltage is taken off."""
-    state = memory[..., Slot.STATE]
-    return np.asarray((state == State.PAUSING) | (state == State.WAITING))
-
-
-@kernel('void(f8[:], b1[:])', '(s)->()')
-def is_back(memory, back):
-    """Where (shape) the law acts as if nothing had been: no pause, no strike."""
-    back[0] = int(memory[Slot.STATE]) < State.PAUSING and not memory[Slot.SHARE] < 1.0
-
-
-def is_reduced(memory: Array) -> Mask:
-    """Where (shape) the law has less than its own voltage."""
-    return np.asarray(memory[..., Slot.SHARE] < 1.0)
-
-
-def forgive(memory: Array, mask: Mask) -> None:
-    """Forget strikes and pauses where (shape) `mask` holds; the base stays."""
-    for slot, value in (
-        (Slot.STATE, State.LISTENING), (Slot.SHARE, 1.0), (Slot.STRIKES, 0.0), (Slot.PAUSES, 0.0),
-        (Slot.PEACE, 0.0), (Slot.LOUD, 0.0),
-    ):  # fmt: skip
-        memory[..., slot] = np.where(mask, value, memory[..., slot])

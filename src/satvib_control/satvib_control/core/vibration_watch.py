@@ -13,7 +13,7 @@ that becomes loud while it comes back is itself the cause.
 | state | leaves when | next | voltage | learns |
 |---|---|---|---|---|
 | LISTENING | the law is let through (CONTROL) | ACTING | 0 V or excitation | the base, at 0 V |
-| ACTING | loud for `PATIENCE` | PAUSING | the law's | - |
+| ACTING | loud for `PATIENCE`, or the base is in doubt for long | PAUSING | the law's | - |
 | PAUSING | the power no longer falls | WAITING if it fell by half, else RETURNING | fades to 0 | the base |
 | WAITING | quiet for its turn | RETURNING | 0 V | - |
 | PAUSING | the power has risen at once (a peek) | RETURNING | 0 V for `PEEK_TIME` | the base |
@@ -27,13 +27,31 @@ strut that is itself the cause does not see its power rise by the pause. A strik
 voltage; the third one is a fault. A second pause in which the power fell, of a strut that was not returning, is a
 strike too: struts that are stable one by one can be unstable together. `FORGIVE_TIME` without a pause takes one
 strike back.
+
+The base in doubt. The open loop cannot be heard under the law. When the rig changes, it may fall, and then a strut can
+be far louder than its open loop and yet quieter than its base. Such a change shows: the level under control becomes
+another one. From then on the doubt grows, with the ratio of amplitudes q = sqrt(level / base), until it reaches
+`DOUBT`; then a pause hears the open loop. So the cost stays small: a pause at a level far below the base is dear, and
+comes late; one near the base costs nothing, and comes soon. Where the power rises at once, the law is not the cause,
+and the doubt is over until the level changes again. Such a pause alone is no strike, for random vibration may fall by
+itself: it gives the true base, and a law that is the cause is then loud, RETURNING or ACTING. A level that falls is in
+no doubt. A peek that has raised the base may have heard a mode that rings, so its base is in doubt at once.
+
+How long a strut can be loud, more than 6 dB above the true open loop O, with the base B and a loudness of 4 dB:
+
+    O > 0.63 B   the level is above the limit: 0.3 s until it is found, `PATIENCE`, 0.1 s of fade: 1.4 s
+    O < 0.63 B   q > 2 sqrt(O / B): `DOUBT` / q = sqrt(B / O) s, which is below 4 s down to O = B / 16
+
+and 0.5 s of ringing. What is not found in 5 s: an open loop that falls by more than 12 dB under a law whose level stays
+14 dB or more below the base; one that falls while the level under control does not change by 2.5 dB; a level that falls
+by 1.7 dB/s again and again. No law without an excitation of its own could hear these.
 """
 
 import numpy as np
 from satvib_common.arrays import Array, Integers, Mask, every
 
 from satvib_control.core.parameters import CoreParameters
-from satvib_control.core.vibration_step import (
+from satvib_control.core.vibration_memory import (
     Verdict,
     forgive,
     fresh_memory,
@@ -41,8 +59,8 @@ from satvib_control.core.vibration_step import (
     is_off,
     is_reduced,
     settings_of,
-    watch_step,
 )
+from satvib_control.core.vibration_step import watch_step
 
 __all__ = ['Verdict', 'VibrationWatch']
 

@@ -5,6 +5,7 @@
 import numpy as np
 import pytest
 from satvib_common.phases import Phase, PhasePlan
+from satvib_control.core.vibration_watch import VibrationWatch
 
 RATE = 200.0
 PLAN = PhasePlan(
@@ -166,3 +167,103 @@ def test_bits_do_not_depend_on_the_batch(make_isolator, make_loop, settings):
         single = make_loop(p.replace(strut=strut), plant, PLAN, identified=model)
         _, alone = single.run(len(d), d)
         np.testing.assert_array_equal(alone, together[:, 1, strut])
+
+
+class Strut:
+    """A tone at 9 Hz whose amplitude is linear in the share of the law's voltage, around a watch alone.
+
+    Args:
+        still, controlled: functions of time, m/s^2 at 0 V and under the whole law.
+        ring: of what the law has caused, how it goes on after the voltage, as a function of time.
+    """
+
+    def __init__(self, settings, still, controlled, ring=None):
+        self.watch = VibrationWatch(settings(sample_rate=RATE), 1.0 / RATE)
+        self.still, self.controlled, self.ring = still, controlled, ring
+
+    def run(self, seconds):
+        """Give the vibration, that at 0 V (m/s^2), the share of the voltage and the verdicts; 2 s at 0 V come first."""
+        t = np.arange(int(seconds * RATE)) / RATE
+        carrier = np.sin(2 * np.pi * 9.0 * t)
+        y, shares = np.zeros((2, len(t)))
+        verdicts = np.zeros(len(t), dtype=int)
+        share, off = 0.0, 0.0
+        for k, now in enumerate(t):
+            acting = now >= 2.0
+            still = self.still(now)
+            part = share * (self.controlled(now) - still)
+            off = off + 1.0 / RATE if acting and share == 0.0 else 0.0
+            if self.ring is not None and off > 0.0:
+                part = self.ring(off)
+            y[k] = (still + part) * carrier[k]
+            scale, verdict = self.watch.step(
+                y[k], np.asarray(share * 5.0 if acting else 0.0), acting, not acting
+            )
+            share = float(scale) if acting else 0.0
+            shares[k], verdicts[k] = share, int(verdict)
+        return y, np.array([self.still(now) for now in t]) * carrier, shares, verdicts
+
+
+@pytest.mark.parametrize('fall', [4.0, 8.0, 12.0])
+@pytest.mark.parametrize('above', [6.5, 9.0, 14.0])
+@pytest.mark.parametrize('rise', [0.0, 20.0])
+def test_an_open_loop_that_falls_is_heard_again(settings, fall, above, rise):
+    """The rig changes at 8 s: 0 V falls by 4 to 12 dB, and the law, -15 dB before, is now 6.5 to 14 dB above 0 V.
+
+    It is there at once, or after 20 s in which it grows. Truth: the amplitudes themselves. Promise: at most 5 s above
+    +6 dB, and the law that goes on being the cause has no whole voltage in the end.
+    """
+
+    def still(t):
+        return 2.0 * 10.0 ** (-(fall if t > 8.0 else 0.0) / 20.0)
+
+    def controlled(t):
+        if t <= 8.0:
+            return 2.0 * 10.0 ** (-15.0 / 20.0)
+        grown = min((t - 8.0) / rise, 1.0) if rise else 1.0
+        return still(t) * 10.0 ** (above * grown / 20.0)
+
+    y, d, shares, verdicts = Strut(settings, still, controlled).run(60.0)
+    assert loud_time(y, d) <= 5.0
+    assert np.any(verdicts > 0)
+    assert shares[-1] < 1.0
+
+
+@pytest.mark.parametrize('level', [-1.0, -3.0, -6.0, -10.0])
+def test_a_level_that_stays_is_not_doubted(settings, level):
+    """A law that calms by 1 to 10 dB, for a minute. Truth: nothing has changed, so its voltage is never taken off."""
+    part = 10.0 ** (level / 20.0)
+    _, _, shares, _ = Strut(settings, lambda t: 1.0, lambda t: part).run(60.0)
+    assert np.all(shares[int(2.1 * RATE) :] == 1.0)
+
+
+@pytest.mark.parametrize('level', [-9.0, -7.0, -6.0])
+def test_a_law_that_calms_less_than_before_costs_a_short_look(settings, level):
+    """From -13 dB to `level` at 10 s, for the law has become worse. Truth: by its rise the power says that it calms.
+
+    A look is 0.25 s of fade and 0 V, and 0.3 s of return.
+    """
+
+    def controlled(t):
+        return 10.0 ** ((-13.0 if t < 10.0 else level) / 20.0)
+
+    _, _, shares, verdicts = Strut(settings, lambda t: 1.0, controlled).run(60.0)
+    assert not verdicts.any()
+    assert 0.2 < np.count_nonzero(shares[int(2.1 * RATE) :] < 1.0) / RATE < 0.6
+
+
+def test_a_mode_that_rings_is_not_taken_for_the_open_loop(settings):
+    """A law 8 dB above 0 V from 8 s on, and a beat that rises for 0.25 s when its voltage goes, as two tones do.
+
+    Truth: 0 V itself, 1 m/s^2. Promise: at most 5 s above +6 dB.
+    """
+
+    def controlled(t):
+        return 0.3 if t < 8.0 else 10.0 ** (8.0 / 20.0)
+
+    def ring(off):
+        return 3.5 * np.exp(-off / 0.3) if off > 0.05 else 1.5
+
+    y, d, shares, _ = Strut(settings, lambda t: 1.0, controlled, ring).run(60.0)
+    assert loud_time(y, d) <= 5.0
+    assert shares[-1] < 1.0
