@@ -37,9 +37,10 @@ DOUBT, LONGEST_DOUBT = 2.0, 16.0
 GUESSED_DOUBT = (
     1.0  # s; the same where the base is that of a peek, which may have heard a mode that rings
 )
-FALLS = 0.67  # of the level of a second ago: it falls by itself, or is random
-FIRST_TIME = 3.0  # s of CONTROL before the level counts as settled
-OTHER = 1.8  # ratio of powers: another level is another doubt
+FALLS = 0.8  # of the level of a second ago: it falls by itself, or is random
+FIRST_TIME = 5.0  # s of CONTROL before the level counts as settled
+RISE_COUNTS = 2.0  # s at the end of these in which a rise counts
+OTHER = 1.5  # ratio of powers: another level is another doubt
 BELOW = 2.5  # the base is 4 dB below the usual limit
 FAR_BELOW = 0.05  # 13 dB below the base there is no doubt
 CALMS = 0.5  # of the base; so much is lost by a whole pause that a peek comes first
@@ -147,17 +148,19 @@ def _act(memory, settings):
 def _is_doubted(memory, settings):
     """Whether the open loop may have fallen for so long that the base is to be heard again."""
     dt = settings[Setting.DT]
-    if memory[Slot.ACTED] <= SETTLE_TIME or memory[Slot.CHANGED] < 0.0:
-        memory[Slot.LOOKED] = memory[Slot.LEVEL]
-        if memory[Slot.CHANGED] < 0.0:
-            memory[Slot.CHANGED] = min(memory[Slot.CHANGED] + dt, 0.0)
-    elif memory[Slot.LEVEL] > memory[Slot.LOOKED] * OTHER:
-        memory[Slot.LOOKED] = memory[Slot.LEVEL]
+    first = memory[Slot.CHANGED]
+    if first < 0.0:
+        memory[Slot.CHANGED] = min(first + dt, 0.0)
+    if memory[Slot.ACTED] <= SETTLE_TIME or first < -RISE_COUNTS:
+        memory[Slot.LOOKED] = memory[Slot.PAST]
+    elif memory[Slot.PAST] > memory[Slot.LOOKED] * OTHER:
+        memory[Slot.LOOKED] = memory[Slot.PAST]
         memory[Slot.CHANGED] = 1.0
         memory[Slot.DOUBT_TIME] = min(memory[Slot.DOUBT_TIME], DOUBT)
-    elif memory[Slot.LEVEL] * OTHER < memory[Slot.LOOKED]:
-        memory[Slot.LOOKED] = memory[Slot.LEVEL]
-        memory[Slot.CHANGED] = 1.0
+    elif memory[Slot.PAST] * OTHER < memory[Slot.LOOKED]:
+        memory[Slot.LOOKED] = memory[Slot.PAST]
+        if first >= 0.0:
+            memory[Slot.CHANGED] = 1.0
     if memory[Slot.LEVEL] < FALLS * memory[Slot.PAST]:
         memory[Slot.DOUBT] = 0.0
     elif memory[Slot.CHANGED] > 0.0 and memory[Slot.LEVEL] > _limit(0.0, settings):

@@ -43,8 +43,8 @@ How long a strut can be loud, more than 6 dB above the true open loop O, with th
     O < 0.63 B   q > 2 sqrt(O / B): `DOUBT` / q = sqrt(B / O) s, which is below 4 s down to O = B / 16
 
 and 0.5 s of ringing. What is not found in 5 s: an open loop that falls by more than 12 dB under a law whose level stays
-14 dB or more below the base; one that falls while the level under control does not change by 2.5 dB; a level that falls
-by 1.7 dB/s again and again. No law without an excitation of its own could hear these.
+14 dB or more below the base; one that falls while the level under control does not change by 1.8 dB; a level that falls
+by 1 dB/s again and again. No law without an excitation of its own could hear these.
 """
 
 import numpy as np

@@ -233,7 +233,7 @@ def test_an_open_loop_that_falls_is_heard_again(settings, fall, above, rise):
 def test_a_level_that_stays_is_not_doubted(settings, level):
     """A law that calms by 1 to 10 dB, for a minute. Truth: nothing has changed, so its voltage is never taken off."""
     part = 10.0 ** (level / 20.0)
-    _, _, shares, _ = Strut(settings, lambda t: 1.0, lambda t: part).run(60.0)
+    _, _, shares, _ = Strut(settings, lambda _: 1.0, lambda _: part).run(60.0)
     assert np.all(shares[int(2.1 * RATE) :] == 1.0)
 
 
@@ -247,7 +247,7 @@ def test_a_law_that_calms_less_than_before_costs_a_short_look(settings, level):
     def controlled(t):
         return 10.0 ** ((-13.0 if t < 10.0 else level) / 20.0)
 
-    _, _, shares, verdicts = Strut(settings, lambda t: 1.0, controlled).run(60.0)
+    _, _, shares, verdicts = Strut(settings, lambda _: 1.0, controlled).run(60.0)
     assert not verdicts.any()
     assert 0.2 < np.count_nonzero(shares[int(2.1 * RATE) :] < 1.0) / RATE < 0.6
 
@@ -264,6 +264,6 @@ def test_a_mode_that_rings_is_not_taken_for_the_open_loop(settings):
     def ring(off):
         return 3.5 * np.exp(-off / 0.3) if off > 0.05 else 1.5
 
-    y, d, shares, _ = Strut(settings, lambda t: 1.0, controlled, ring).run(60.0)
+    y, d, shares, _ = Strut(settings, lambda _: 1.0, controlled, ring).run(60.0)
     assert loud_time(y, d) <= 5.0
     assert shares[-1] < 1.0
