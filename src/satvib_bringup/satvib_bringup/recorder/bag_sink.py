@@ -3,8 +3,9 @@
 """Writes a rosbag2 bag (MCAP) from a thread of its own, so that no node waits for the disk.
 
 Five times a second what has been written is closed into a chunk and handed to the operating system: a recorder that is
-killed loses a fifth of a second, and `salvage` makes a bag of the rest. Before the disk is full the recording ends,
-while there is room for index and metadata.
+killed loses a fifth of a second, and `salvage` makes a bag of the rest. The index of a chunk stays in memory until the
+end. So chunks of long recordings are longer, 2 s after ten minutes; the index of an hour is a megabyte. Before the disk
+is full the recording ends, while there is room for index and metadata.
 """
 
 import threading
@@ -21,7 +22,8 @@ from satvib_common.errors import RunError, SatvibError
 from satvib_common.files.disk import MEGABYTE, room_at
 
 _BATCH = 0.05  # s
-_FLUSH_EVERY = 4  # batches
+# batches of a chunk, at first and at most; between them a three-hundredth of the recording
+_SHORTEST, _LONGEST, _SHARE = 4, 40, 300
 # bytes for what is under way and for metadata.yaml, and for the index of a chunk
 _ROOM, _ROOM_OF_CHUNK = 4 * MEGABYTE, 1000
 # bytes without which no recording begins
@@ -100,12 +102,13 @@ class BagSink:
         self.check()
 
     def _work(self) -> None:
-        batches = 0
+        batches = last = 0
         try:
             while not self._end.wait(_BATCH) and not self._full:
                 self._write_queue()
                 batches += 1
-                if batches % _FLUSH_EVERY == 0:
+                if batches - last >= min(max(batches // _SHARE, _SHORTEST), _LONGEST):
+                    last = batches
                     self._flush()
                     self._look_at_the_disk()
             if not self._full:
