@@ -6,6 +6,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cached_property
 
 from satvib_common.errors import SatvibError
 
@@ -87,18 +88,19 @@ class PhasePlan:
                 return first
         return None
 
+    @cached_property
+    def _identification(self) -> int | None:
+        return self.first_of(Phase.IDENTIFY)
+
     def is_hand_over(self, sequence: int, period: int) -> bool:
         """Whether a controller takes the identified model of the sample before this one.
 
         That is at the first sample of every ADAPT and CONTROL after an IDENTIFY, and at every `period`-th sample
         after the first of IDENTIFY (0: only at the phase changes).
         """
-        start = self.first_of(Phase.IDENTIFY)
+        start = self._identification
         if start is None or sequence <= start:
             return False
-        if sequence == self.start_of(sequence) and self.at(sequence) in {
-            Phase.ADAPT,
-            Phase.CONTROL,
-        }:
+        if sequence in self.first and self.at(sequence) in (Phase.ADAPT, Phase.CONTROL):
             return True
         return period > 0 and (sequence - start) % period == 0

@@ -42,7 +42,10 @@ from satvib_control.parameters import ControllerParameters
 from satvib_control.supervision.hold import Hold
 
 # phases in which no strut is excited on purpose
-SILENT = frozenset({Phase.STANDBY, Phase.CALIBRATE})
+SILENT = (Phase.STANDBY, Phase.CALIBRATE)
+# phases in which the law takes no model; tuples, because a set would ask each member for its hash on every sample
+WITHOUT_MODEL = (Phase.CALIBRATE, Phase.IDENTIFY)
+ACTING = (Phase.ADAPT, Phase.CONTROL)
 LISTENING = reason('0 V: louder than the open loop, listening whether the law is the cause')
 CLIPPED = reason('0 V: the upper sensor clips, so it cannot tell what the law does')
 HELD = reason('0 V: held from outside, other struts are loud')
@@ -172,7 +175,7 @@ class ControllerCore:
         That sample would begin with it, so no bit changes; but its voltage need not wait for a design of 1 or 2 ms. Not
         when `set_model` will still be called for that sample.
         """
-        if phase not in {Phase.CALIBRATE, Phase.IDENTIFY}:
+        if phase not in WITHOUT_MODEL:
             self._hand_over_model()
 
     def apply(self, parameters: ControllerParameters) -> None:
@@ -240,7 +243,7 @@ class ControllerCore:
             phase, np.asarray(upper, float), np.asarray(lower, float),
             self._mask(upper_clipped), self._mask(lower_clipped),
         )  # fmt: skip
-        if phase not in {Phase.CALIBRATE, Phase.IDENTIFY}:
+        if phase not in WITHOUT_MODEL:
             self._hand_over_model()
         # in ADAPT the law shakes the strut on purpose
         scale, verdict = self.watch.step(
@@ -344,7 +347,7 @@ class ControllerCore:
     def _wish(self, demand: Array, scale: Array, k: int, plan: PhasePlan) -> '_Wish':
         """What the phase makes of the law's demand (shape, V)."""
         phase, state = plan.at(k), self.law.state
-        if phase not in {Phase.ADAPT, Phase.CONTROL}:
+        if phase not in ACTING:
             self._fade = signal = self._zero
             if phase == Phase.IDENTIFY:
                 signal = self._signals.at(k - plan.start_of(k))

@@ -68,7 +68,7 @@ class ControllerOutput:
 
     def fields(self, index: tuple[int, ...] = ()) -> dict[str, Any]:
         """The fields of satvib_msgs/ControllerState that the controller knows, for one item, as plain values."""
-        found = {name: values[index].item() for name, values in self.figures().items()}
+        found = {name: values.item(*index) for name, values in self.figures().items()}
         return found | {
             'sequence': self.sequence,
             'phase': int(self.phase),

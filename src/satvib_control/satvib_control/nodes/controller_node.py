@@ -12,7 +12,6 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, TypeVar
 
-import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.ros.convert import check_period, fill
@@ -176,10 +175,8 @@ class ControllerNode(SatvibNode[P]):
     ) -> None:
         """Publish voltage and state of every strut for the sample of number k."""
         start = time.perf_counter()
-        upper, lower, *clipped = (
-            np.array([getattr(sample, name) for sample in samples]).reshape(self.core.shape)
-            for name in ('upper', 'lower', 'upper_clipped', 'lower_clipped')
-        )
+        readings = [(s.upper, s.lower, s.upper_clipped, s.lower_clipped) for s in samples]
+        upper, lower, *clipped = zip(*readings, strict=True) if self.core.shape else readings[0]
         output = self.core.step(k, plan, upper, lower, arrival, *clipped)
         for i, (place, sample) in enumerate(zip(self.places, samples, strict=True)):
             v = self.voltages[i]

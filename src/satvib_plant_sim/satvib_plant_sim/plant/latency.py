@@ -35,6 +35,8 @@ class VoltageQueue:
         """
         depth, trials, n = self._queue.shape
         self._queue[k % depth] = voltage
+        if depth == 1:  # nothing is later than its own period
+            return self._queue[0], self._event
         sent = (k - self._periods) % depth
         return self._queue[sent, np.arange(trials)[:, None], np.arange(n)], self._event
 
