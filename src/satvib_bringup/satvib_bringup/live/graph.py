@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +49,7 @@ from satvib_bringup.recorder.check import REPORT, Expected
 
 CENTRALIZED = 'centralized_controller'
 SUPERVISOR = 'supervisor'
+BRIDGE = 'daq_bridge'
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,8 @@ class Graph:
             written = {topic for node in process.nodes for topic in node.writes}
             for topic in {topic for node in process.nodes for topic in node.reads} - written:
                 found[topic] = found.get(topic, 0) + 1
-        return found
+        silent = set(self.topics()).difference(*(node.writes for node in self.nodes))
+        return {topic: count for topic, count in found.items() if topic not in silent}
 
 
 def graph_of(
@@ -200,6 +202,29 @@ def graph_of(
         realtime=realtime,
         onset=disturbance_onset(scenario.make_disturbance()),
     )
+
+
+def with_bridge(graph: Graph, channels: str) -> Graph:
+    """The same graph with `daq_bridge` in the place of the plant.
+
+    Args:
+        graph: in real time.
+        channels: path of the channels file.
+    """
+
+    def real(node: NodeSpec) -> NodeSpec:
+        if node.stage != Stage.SOURCE:
+            return node
+        given = {'channels': channels, 'sample_rate': 1.0 / graph.sample_period}
+        return NodeSpec('satvib_daq_bridge', BRIDGE, '/', BRIDGE, given, Stage.SOURCE, node.struts)
+
+    processes = tuple(
+        process
+        if process.stage != Stage.SOURCE
+        else Process('satvib_daq_bridge', BRIDGE, '/', BRIDGE, tuple(map(real, process.nodes)))
+        for process in graph.processes
+    )
+    return replace(graph, nodes=tuple(map(real, graph.nodes)), processes=processes)
 
 
 def _recorder(

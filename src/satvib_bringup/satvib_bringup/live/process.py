@@ -28,6 +28,7 @@ COMPOSITIONS = ('separate', 'strut', 'single')
 # by executable: topics of its struts that a node reads and writes
 _TOPICS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     'plant_sim': (('voltage',), ('acceleration', 'truth')),
+    'daq_bridge': (('voltage',), ('acceleration',)),
     'strut_controller': (('acceleration', 'identified_model'), ('voltage', 'controller_state')),
     'centralized_controller': (('acceleration',), ('voltage', 'controller_state')),
     'strut_identifier': (('acceleration', 'voltage'), ('identified_model',)),

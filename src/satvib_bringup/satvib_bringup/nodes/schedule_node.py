@@ -19,7 +19,7 @@ from satvib_common.schema import Schema, param
 from satvib_experiment.scenario.scenario import load_scenario
 
 from satvib_bringup.live.discovery import REPORTS, Discovery
-from satvib_bringup.live.graph import graph_of
+from satvib_bringup.live.graph import graph_of, with_bridge
 from satvib_bringup.live.schedule_message import graph_schedule
 from satvib_msgs.msg import Schedule as ScheduleMessage
 
@@ -39,6 +39,9 @@ class ScheduleParameters(Schema):
     composition: str = param(
         '', 'how the nodes share processes; empty: as the scenario says', read_only=True
     )
+    channels: str = param(
+        '', 'on real hardware: path of the channels file; empty: simulation', read_only=True
+    )
     recorded: bool = param(False, 'with realtime: a recorder is one of them', read_only=True)
 
 
@@ -54,6 +57,8 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
         bag = Path('bag') if p.recorded else None
         scenario = load_scenario(p.scenario, p.overrides)
         self.graph = graph_of(scenario, p.realtime, bag, p.composition)
+        if p.channels:
+            self.graph = with_bridge(self.graph, p.channels)
         self.publisher = self.publish_on(ScheduleMessage, 'schedule', offered(1))
         self.discovery = Discovery(self.graph, self, self.publisher)
         self.waits = False

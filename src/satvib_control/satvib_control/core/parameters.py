@@ -97,6 +97,11 @@ class CoreParameters(LawParameters):
         read_only=True,
     )  # fmt: skip
 
+    control_at_start: bool = param(
+        False,
+        'CONTROL from the first sample on while there is no schedule; false: STANDBY, which is 0 V',
+        read_only=True,
+    )
     state_period: float = param(
         0.05,
         'real time: time between two messages on controller_state, of which a change of phase, '

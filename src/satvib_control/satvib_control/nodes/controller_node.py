@@ -36,7 +36,9 @@ from satvib_msgs.msg import (
 
 P = TypeVar('P', bound=ControllerParameters)
 Index = tuple[int, ...]
+# without a schedule
 _STANDBY = PhasePlan((Phase.STANDBY,), (0,))
+_CONTROL = PhasePlan((Phase.CONTROL,), (0,))
 
 
 class ControllerNode(SatvibNode[P]):
@@ -85,9 +87,11 @@ class ControllerNode(SatvibNode[P]):
         """How many samples wait for what they need."""
 
     def proceed(self) -> None:
-        """Answer what can be answered: in lockstep nothing before the schedule is there."""
-        if self.plan is not None or not self.parameters.lockstep:
-            self.work(self.plan or _STANDBY)
+        """Answer what can be answered: in lockstep nothing before there is a plan."""
+        p = self.parameters
+        plan = self.plan or (_CONTROL if p.control_at_start else None)
+        if plan is not None or not p.lockstep:
+            self.work(plan or _STANDBY)
 
     def deactivate(self) -> None:
         """Leave the struts at 0 V, unless the run is over anyway."""

@@ -19,6 +19,7 @@ from satvib_common.files.suggestions import nearest
 from satvib_common.ros.qos import wanted
 
 _SLICE = 0.05  # s
+_PATIENCE = 5.0  # s, for a topic that is named
 _OURS = ('satvib_msgs/', 'diagnostic_msgs/', 'rosgraph_msgs/Clock')
 _SCHEDULE = 'satvib_msgs/msg/Schedule'
 _OWN = 'topics'
@@ -152,19 +153,25 @@ class Listener:
         self._executor.spin_once(timeout_sec=seconds)
 
     def _chosen(self, names: Sequence[str]) -> list[TopicRow]:
-        ours = self.topics()
+        """The topics of these names, for which it waits; without names all that are written."""
         if not names:
-            return [row for row in ours if row.writers]
-        known = {row.name: row for row in self._rows(everything=True)}
-        found = []
-        for name in names:
-            absolute = name if name.startswith('/') else f'/{name}'
-            if absolute not in known:
-                raise SatvibError(
-                    f'{absolute}: no such topic here; {nearest(absolute, list(known))}'
-                )
-            found.append(known[absolute])
-        return found
+            return [row for row in self.topics() if row.writers]
+        wanted_names = [name if name.startswith('/') else f'/{name}' for name in names]
+        deadline = time.monotonic() + _PATIENCE
+        while True:
+            known = {row.name: row for row in self._rows(everything=True)}
+            missing = [
+                name for name in wanted_names if name not in known or not known[name].writers
+            ]
+            if not missing:
+                return [known[name] for name in wanted_names]
+            if time.monotonic() > deadline:
+                break
+            self._spin(_SLICE)
+        for name in missing:
+            if name not in known:
+                raise SatvibError(f'{name}: no such topic here; {nearest(name, sorted(known))}')
+        return [known[name] for name in wanted_names]
 
     def _subscribe(self, row: TopicRow, take: Callable[[Any], None], raw: bool = False) -> None:
         infos = self._node.get_publishers_info_by_topic(row.name)
