@@ -29,9 +29,9 @@ Every node of satvib: what it subscribes to, what it publishes, its services, it
 
 All nodes are lifecycle nodes that start themselves (parameter `autostart`, default true). All have the services
 `~/stop` (a safe state, latched) and `~/reset`, and report once a second on `/diagnostics`. A name without a leading
-slash is in the namespace of the node, and `strut_i/` stands for every strut. The nodes of a strut live in its namespace,
-so `../schedule` is the schedule of the namespace above: `/schedule` for `/strut_1`, `/rig_a/schedule` for
-`/rig_a/strut_1`.
+slash is in the namespace of the node, and `strut_i/` stands for every strut. A type without a package is one of
+satvib_msgs. The nodes of a strut live in its namespace, so `../schedule` is the schedule of the namespace above:
+`/schedule` for `/strut_1`, `/rig_a/schedule` for `/rig_a/strut_1`.
 
 | quality of service | means |
 |---|---|
@@ -210,6 +210,7 @@ def asked(entry: Entry, folder: Path) -> list[str]:
     node.destroy_node()
     rclpy.try_shutdown(context=context)
     table = ['| | name | type | quality of service |', '|---|---|---|---|']
+    rows = [(a, b, c.removeprefix('satvib_msgs/'), d) for a, b, c, d in rows]
     return [*table, *(f'| {a} | `{b}` | `{c}` | {d} |' for a, b, c, d in dict.fromkeys(rows)), '']
 
 

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 from satvib_common.door import door
 
 if TYPE_CHECKING:
-    from satvib_bringup.live.launching.description import launch_description
     from satvib_bringup.live.launching.member import Member
     from satvib_bringup.live.launching.plans import PLANS, Plan
 
-__all__ = ['PLANS', 'Member', 'Plan', 'launch_description']
+__all__ = ['PLANS', 'Member', 'Plan']
 __getattr__, __dir__ = door(__name__, __file__)
