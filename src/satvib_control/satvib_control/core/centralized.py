@@ -61,8 +61,8 @@ class _CommonWatch(VibrationWatch):
     in_turn = False
 
     def step(self, y: Array, applied: Array, acting: bool, silent: bool) -> tuple[Array, Integers]:
-        # no short look: one strut's whole pause takes the voltage off all of them, so the others gain nothing by
-        # shorter ones, and hear a power that this pause has raised: their law seems to calm when it only comes back
+        # no short look: all voltages are off for the longest pause of any strut, so a shorter one saves nothing, and
+        # 0.15 s give a worse base than a whole pause
         self._memory[..., Slot.PEEK] = Peek.NO
         scale, verdict = super().step(y, applied, acting, silent)
         least = np.broadcast_to(np.min(scale, axis=-1, keepdims=True), self.shape)

@@ -8,7 +8,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_common.struts.motions import strut_matrix
-from satvib_control.core.centralized import CentralizedCore, make_core
+from satvib_control.core.centralized import CentralizedCore, _CommonWatch, make_core
 from satvib_control.core.controller import ControllerCore
 from satvib_control.core.faults import LOST_LONG
 from satvib_control.laws.centralized.law import BLIND
@@ -129,3 +129,27 @@ def test_samples_are_gathered_in_any_order_and_old_ones_are_left():
     assert g.add(0, 2, 'a2') == ['a2', 'b2']
     assert g.add(0, 0, 'again') is None
     assert g.add(1, 0, 'here') == ['again', 'here']
+
+
+def test_all_struts_listen_together_and_long_enough():
+    """9 Hz that grows by 2 dB/s under a law that leaves 0.6 of it: the open loop has grown, and a pause must say so.
+
+    Truth: fade, ringing and two blocks are 0.9 s; a short look of one strut would end after 0.25 s. All struts have the
+    same voltage at each sample, and none is at fault.
+    """
+    watch = _CommonWatch(parameters(watch_loudness=4.0), 1.0 / RATE, (3,))
+    t = np.arange(int(16 * RATE)) / RATE
+    still = np.sin(2 * np.pi * 9.0 * t) * 10.0 ** (np.clip(t - 4.0, 0.0, 10.0) / 10.0)
+    shares, share = np.zeros((len(t), 3)), np.zeros(3)
+    for k, now in enumerate(t):
+        acting = bool(now >= 2.0)
+        y = still[k] * (1.0 - 0.4 * share) * np.array([1.0, 0.8, 0.6])
+        scale, verdict = watch.step(y, share * 5.0, acting, not acting)
+        assert not verdict.any()
+        share = scale if acting else np.zeros(3)
+        shares[k] = share
+    shares = shares[int(2.1 * RATE) :]
+    assert (shares == shares[:, :1]).all()
+    pauses = np.flatnonzero(np.diff((shares[:, 0] < 1.0).astype(int)))
+    assert len(pauses) >= 2
+    assert np.min(pauses[1::2] - pauses[::2][: len(pauses) // 2]) >= 0.9 * RATE
