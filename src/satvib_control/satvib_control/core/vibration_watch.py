@@ -42,11 +42,11 @@ How long a strut can be loud, more than 6 dB above the true open loop O, with th
     O > 0.63 B   the level is above the limit: 0.3 s until it is found, `PATIENCE`, 0.1 s of fade: 1.4 s
     O < 0.63 B   q > 2 sqrt(O / B): `DOUBT` / q = sqrt(B / O) s, which is below 4 s down to O = B / 16
 
-and 0.5 s of ringing; twice as long, and so on up to eight times, where earlier pauses at about the same level have shown
-that the law calms. What is not found in 5 s: an open loop that falls by more than 12 dB under a law whose level stays far
-below the base (up to 9 s, and never where it is 13 dB below); one that falls while the level under control does not
-change by 1.8 dB; one under a level that falls by 1 dB/s again and again. No law without an excitation of its own can
-tell these from a law that calms.
+and 0.5 s of ringing; twice as long, and so on up to eight times, where earlier pauses at about the same level have
+shown that the law calms. What is not found in 5 s: an open loop that falls by more than 12 dB under a law whose level
+stays far below the base (up to 9 s, and never where it is 13 dB below); one that falls while the level under control
+does not change by 1.8 dB; one under a level that falls by 1 dB/s again and again. No law without an excitation of its
+own can tell these from a law that calms.
 """
 
 import numpy as np
