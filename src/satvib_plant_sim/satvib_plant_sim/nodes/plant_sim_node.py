@@ -45,8 +45,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         """Build the plant and a set of publishers per strut."""
         p = self.parameters
         self.plant = plant = p.make_plant()
-        self.names = list(strut_names(plant.struts))
-        names = self.names
+        self.names = names = list(strut_names(plant.struts))
         self.messages = [StrutMessage(i, name, plant.dt) for i, name in enumerate(names)]
         self.samples_out = [self.publish_on(StrutAcceleration, f'{n}/acceleration') for n in names]
         outs = [self.publish_on(StrutTruth, f'{n}/truth', spared=True) for n in names]
@@ -57,7 +56,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.clock, self.clock_at, self.published_at = Clock(), 0.0, 0.0
         self.answers = Answers(self.names)
         self.commands = Commands(plant.struts, p.command_timeout, plant.dt)
-        self.k, self.end_at = -1, 0  # the sample that is out, and the end of the run
+        self.k, self.end_at, self.awaited = -1, 0, 0  # sample that is out, end, voltages to come
         self.gate = ScheduleGate(self, 'schedule', 1.0 / plant.dt, lambda: self.k >= 0, self.names)
         self.stamp_of_start = self.overdue = 0
         self.zero: float | None = None  # s of the steady clock: sample 0 in real time
@@ -146,6 +145,9 @@ class PlantSimNode(SatvibNode[PlantParameters]):
             self.get_logger().error(text, throttle_duration_sec=1.0)
         since = max(now - self.zero - k * self.plant.dt, 0.0)
         self.commands.take(i, voltage, now, since, late=sequence < k)
+        self.awaited -= sequence == k
+        if self.awaited == 0:
+            self.truth.flush_whole()  # nobody is in a hurry now
 
     def _advance(self, voltage: Array, arrival: Array | None) -> None:
         """End the period of sample k; the next sample goes out first, because the controllers wait for it."""
@@ -154,7 +156,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         over = 0 < self.end_at <= k + 1
         if not over:
             self._publish_sample()
-        self.truth.add(truth, k, self._stamp(k))
+        self.truth.add(truth, k, self._stamp(k), at_once=self.zero is None)
         if over:
             self.finish(
                 f'{k + 1} samples of {len(self.names)} struts, {(k + 1) * self.plant.dt:g} s; '
@@ -163,7 +165,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
 
     def _publish_sample(self) -> None:
         sample = self.plant.sample()
-        self.k = sample.sequence
+        self.k, self.awaited = sample.sequence, len(self.names)
         stamp = self._stamp(self.k)
         self.arrivals.published(self.k)
         for strut, publisher in zip(self.messages, self.samples_out, strict=True):

@@ -43,11 +43,23 @@ class TruthBlock:
         self._waiting: list[Truth] = []
         self._first = self._stamp = 0
 
-    def add(self, truth: Truth, sequence: int, stamp: int) -> None:
-        """Take what happened after a sample; `stamp` of the sample in ns."""
+    def add(self, truth: Truth, sequence: int, stamp: int, at_once: bool) -> None:
+        """Take what happened after a sample.
+
+        Args:
+            truth: it.
+            sequence, stamp: of the sample; ns.
+            at_once: a block that is whole goes out now, and not when `flush_whole` is called.
+        """
+        self.flush_whole()
         if not self._waiting:
             self._first, self._stamp = sequence, stamp
         self._waiting.append(truth)
+        if at_once:
+            self.flush_whole()
+
+    def flush_whole(self) -> None:
+        """Publish a block that is whole: at the latest before the next sample is added."""
         if len(self._waiting) >= self.size:
             self.flush()
 
