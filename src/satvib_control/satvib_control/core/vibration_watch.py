@@ -23,7 +23,7 @@ that becomes loud while it comes back is itself the cause.
 A pause in which the power does not fall by half says that the disturbance has grown: it becomes the base, and the law
 goes on. A peek is shorter: where the level has changed slowly and the power rises as soon as the law is off, the law
 had calmed it. It must fall again when the law is back; else the base is the one before, and a whole pause follows. A
-strut that is itself the cause does not see its power rise by the pause. A strike resets the law and halves its
+strut that is itself the cause rarely sees its power rise by the pause. A strike resets the law and halves its
 voltage; the third one is a fault. A second pause in which the power fell, of a strut that was not returning, is a
 strike too: struts that are stable one by one can be unstable together. `FORGIVE_TIME` without a pause takes one
 strike back.
