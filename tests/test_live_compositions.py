@@ -37,7 +37,12 @@ def test_every_composition_equals_the_offline_twin(composition, tmp_path, domain
 
 
 @pytest.mark.parametrize(
-    ('law', 'composition'), [('narrowband', 'separate'), ('feedforward', 'single')]
+    ('law', 'composition'),
+    [
+        ('narrowband', 'separate'),
+        ('feedforward', 'single'),
+        ('velocity_feedback+narrowband', 'single'),
+    ],
 )
 def test_laws_that_take_their_model_between_two_samples(law, composition, tmp_path, domain):  # noqa: ARG001
     """Truth: the offline twin, which takes it within the sample; every bit."""

@@ -21,6 +21,7 @@ fixed filters, as velocity_feedback is, knows |S_f| of theirs and keeps |S_f| |S
 frequency. With the root alone its notches were so narrow beside a soft mode that a tone took a minute.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -128,7 +129,10 @@ class LawSum(BasicLaw[LawParameters]):
             merged = getattr(self.parts[-1].state, name)
             for law in reversed(self.parts[:-1]):
                 own = getattr(law.state, name)
-                merged = np.where(np.isnan(own), merged, own)
+                if self.shape:
+                    merged = np.where(np.isnan(own), merged, own)
+                elif not math.isnan(own):  # one strut
+                    merged = own
             setattr(state, name, merged)
         state.adapting = np.zeros(self.shape, dtype=bool)
         state.reason = np.zeros(self.shape, dtype=np.int64)
