@@ -14,7 +14,8 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
-        (f'share/{NAME}/config', sorted(map(str, Path('config').glob('*.xml')))),
+        (f'share/{NAME}/config', sorted(map(str, Path('config').glob('*.yaml')))),
+        (f'share/{NAME}/config/layouts', sorted(map(str, Path('config/layouts').iterdir()))),
         (f'share/{NAME}/launch', sorted(map(str, Path('launch').glob('*.launch.py')))),
     ],
     install_requires=['setuptools'],

@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
+from pathlib import Path
+
 from setuptools import find_packages, setup
 
 NAME = 'satvib_daq_bridge'
@@ -12,6 +14,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
+        (f'share/{NAME}/config', sorted(map(str, Path('config').glob('*.yaml')))),
     ],
     install_requires=['setuptools'],
     zip_safe=False,
