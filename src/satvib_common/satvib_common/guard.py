@@ -25,12 +25,6 @@ class Guarded:
     fault: Mask
 
 
-def towards_zero(voltage: Array, step: Array | float) -> Array:
-    """Move voltages (shape, V) by a step (shape or one for all, V, at least 0) towards 0 V, and not beyond it."""
-    # + 0.0 turns a negative zero into zero
-    return np.copysign(np.maximum(np.abs(voltage) - step, 0.0), voltage) + 0.0
-
-
 @kernel(
     'void(f8, f8, f8, f8, b1, b1, f8[:], b1[:], b1[:])',
     '(),(),(),(),(),()->(),(),()',

@@ -85,3 +85,33 @@ class SequenceTracker:
         if follows:
             self._candidate = None
         return not follows
+
+
+class Rivals:
+    """Whether two sources speak on one topic, from the order of their messages alone.
+
+    A single source repeats a message or starts again now and then. Two of them do so with every message.
+
+    Attributes:
+        found: it is so; until `reset`.
+    """
+
+    _LIMIT, _FORGIVEN = 20.0, 0.1
+
+    def __init__(self) -> None:
+        self.found = False
+        self._level = 0.0
+
+    def saw(self, odd: bool) -> bool:
+        """Take a message, and whether it repeats or goes back; gives whether it has just become clear."""
+        if not odd:
+            self._level = max(self._level - self._FORGIVEN, 0.0)
+            return False
+        self._level += 1.0
+        news = self._level >= self._LIMIT and not self.found
+        self.found = self.found or news
+        return news
+
+    def reset(self) -> None:
+        """Begin again."""
+        self.found, self._level = False, 0.0

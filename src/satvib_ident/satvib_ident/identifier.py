@@ -271,6 +271,11 @@ class IdentifierCore:
             recent.clear(changed)
         self._know_noise()
 
+    def know_bias(self, bias: Array) -> None:
+        """Take the bias of the upper sensor (shape, m/s^2) as another node has measured it in CALIBRATE."""
+        if self.parameters.bias == 'calibrate':
+            self._bias = np.broadcast_to(np.asarray(bias, dtype=float), self.shape)
+
     def reset(self) -> None:
         """Forget everything except the counts."""
         self.regressor.clear()

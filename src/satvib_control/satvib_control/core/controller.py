@@ -13,10 +13,10 @@
 Every voltage leaves through the guard. A missing upper sample gives 0 V for that sample; `loss_limit` of them in a
 row latch a fault. A clipped sample is not learnt from; a sensor that clips for long takes the law off
 (`clipping_watch`). A gap in the sequence is counted and the states stay. A sequence that goes back starts everything
-again.
+again. What the coil got instead of the answer before, and a start in the middle of a run, are in `reception`.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,6 +31,7 @@ from satvib_ident.models.iir_model import IirModel
 from satvib_control.core.clipping_watch import ClippingWatch
 from satvib_control.core.faults import Faults
 from satvib_control.core.output import ControllerOutput
+from satvib_control.core.reception import JOINED, LateStart, Measured, Received, Wish
 from satvib_control.core.trusted_model import TrustedModel
 from satvib_control.core.vibration_watch import Verdict, VibrationWatch
 from satvib_control.laws.base import LawInput
@@ -58,34 +59,7 @@ __all__ = ['ControllerCore', 'ControllerOutput']
 
 
 NONE = int(Verdict.NONE)
-
-
-class _Measured(NamedTuple):
-    """A sample of the sensors without their biases.
-
-    Attributes:
-        upper: shape, m/s^2; 0 where it was not measured.
-        lower: shape, m/s^2; NaN where it was not measured.
-        valid: shape, bool; the upper acceleration was measured.
-        upper_clipped, lower_clipped: shape, bool; the sensor stands at an end of its range.
-        whole: it was measured everywhere: such a sample takes the short ways.
-    """
-
-    upper: Array
-    lower: Array
-    valid: Mask
-    upper_clipped: Mask
-    lower_clipped: Mask
-    whole: bool
-
-
-class _Wish(NamedTuple):
-    """What is asked of the guard: V (shape), and what the output shows of it; see `ControllerOutput`."""
-
-    demand: Array
-    reference: Array
-    adapting: Mask
-    reason: Integers
+_AS_ASKED = Received()
 
 
 class ControllerCore:
@@ -119,6 +93,9 @@ class ControllerCore:
         self.watch = VibrationWatch(p, self.dt, shape)
         self.clipping = ClippingWatch(p.clipping_limit, self.dt, shape)
         self._hold = Hold(self.dt, shape)
+        self._late = LateStart(self.dt, shape)
+        self._plan: PhasePlan | None = None
+        self._received = _AS_ASKED
         self._faults = Faults(shape)
         self._rms = MovingRms(max(round(p.rms_window * p.sample_rate), 1), shape)
         self._missed = 0
@@ -218,6 +195,7 @@ class ControllerCore:
         arrival: Arrival | None = None,
         upper_clipped: ArrayLike = False,
         lower_clipped: ArrayLike = False,
+        received: Received | None = None,
     ) -> ControllerOutput:
         """Take sample k of both sensors (shape, m/s^2, as measured) and give the voltage.
 
@@ -229,6 +207,7 @@ class ControllerCore:
             upper, lower: (shape) m/s^2 as measured; NaN: not measured.
             arrival: how k follows the sample before; None: it is found here.
             upper_clipped, lower_clipped: (shape) bool; the sensor stands at an end of its range.
+            received: what the coils got before this sample; None: what was asked for.
         """
         if arrival is None:
             arrival = self._tracker.classify(k)
@@ -239,6 +218,10 @@ class ControllerCore:
         elif arrival is Arrival.GAP and self._last is not None:
             self._missed += k - self._last.sequence - 1
         phase = plan.at(k)
+        if plan is not self._plan:  # the first sample, or the schedule came after some
+            self._plan = plan
+            self._late.begin(k, plan, bool(self.calibration_upper.count.any()))
+        self._received = received or _AS_ASKED
         measured = self._without_bias(
             phase, np.asarray(upper, float), np.asarray(lower, float),
             self._mask(upper_clipped), self._mask(lower_clipped),
@@ -246,15 +229,19 @@ class ControllerCore:
         if phase not in WITHOUT_MODEL:
             self._hand_over_model()
         # in ADAPT the law shakes the strut on purpose
-        scale, verdict = self.watch.step(
-            measured.upper, self.guard.voltage, phase == Phase.CONTROL, phase in SILENT
-        )
+        acting, silent = phase == Phase.CONTROL, phase in SILENT
+        if self._late.on:
+            acting, silent = False, acting or silent
+        elif self._received.withheld is not None:
+            acting = acting and not every(self._received.withheld)
+        applied = self.guard.voltage if self._received.voltage is None else self._received.voltage
+        scale, verdict = self.watch.step(measured.upper, applied, acting, silent)
         free, begins, failed = self.clipping.step(measured.upper_clipped, phase == Phase.CONTROL)
-        scale = scale * free * self._hold.step()
+        scale = scale * free * self._hold.step(self._received.withheld)
         begins = begins | (verdict != NONE)
         if some(begins):
             self.law.reset(begins)
-        demand = self.law.step(self._law_input(k, measured), phase)
+        demand = self.law.step(self._law_input(k, measured, applied), phase)
         wish = self._wish(demand, scale, k, plan)
         guarded, why = self._guard(wish, measured, verdict, failed)
         self._last = ControllerOutput(
@@ -283,9 +270,13 @@ class ControllerCore:
         mask = np.asarray(where, dtype=bool)
         return mask if mask.shape == self.shape else np.broadcast_to(mask, self.shape)
 
+    def know_biases(self, upper: ArrayLike, lower: ArrayLike) -> None:
+        """Take the biases (shape, m/s^2; NaN: not known) that another node has measured, for a late start."""
+        self._late.give(upper, lower)
+
     def _without_bias(
         self, phase: Phase, upper: Array, lower: Array, upper_clipped: Mask, lower_clipped: Mask
-    ) -> '_Measured':
+    ) -> Measured:
         """Learn the biases in CALIBRATE, and take them away."""
         valid = np.isfinite(upper)
         whole = every(valid)
@@ -297,16 +288,20 @@ class ControllerCore:
         elif not self._checked_rest:
             self._checked_rest = True
             p, upper_bias = self.parameters, self.calibration_upper
-            self._faults.check_bias(
-                upper_bias.mean, upper_bias.standard_deviation, p.bias_limit, p.calibration_limit
-            )
+            if not self._late.on:
+                found = upper_bias.mean, upper_bias.standard_deviation
+                self._faults.check_bias(*found, p.bias_limit, p.calibration_limit)
+        if self._late.on:
+            self._late.listen(upper, lower, self.calibration_upper, self.calibration_lower)
+            if not self._late.on:
+                self._hold.step(~self._nowhere)
         upper = upper - self.calibration_upper.mean
         if not whole:
             upper = np.where(valid, upper, 0.0)
         lower = lower - self.calibration_lower.mean
         if not every(np.isfinite(lower)):
             lower = np.where(np.isfinite(lower), lower, np.nan)
-        return _Measured(upper, lower, valid, upper_clipped & valid, lower_clipped, whole)
+        return Measured(upper, lower, valid, upper_clipped & valid, lower_clipped, whole)
 
     def _calibrate_again(self) -> None:
         """Forget the biases of a CALIBRATE that failed somewhere, for this is another one."""
@@ -323,7 +318,7 @@ class ControllerCore:
         self._given.take(model, use)
         self._waiting = None
 
-    def _law_input(self, k: int, measured: '_Measured') -> LawInput:
+    def _law_input(self, k: int, measured: Measured, applied: Array) -> LawInput:
         # a law that is not let through must not learn from what it asks for
         frozen = self._saturated
         if self.watch.busy:
@@ -332,11 +327,13 @@ class ControllerCore:
             frozen = frozen | self.clipping.paused
         if self._hold.busy:
             frozen = frozen | self._hold.held
+        if self._received.changed is not None:
+            frozen = frozen | self._received.changed
         return LawInput(
             sequence=k,
             upper=measured.upper,
             lower=measured.lower,
-            applied=self.guard.voltage,
+            applied=applied,
             saturated=frozen,
             valid=measured.valid,
             fade=self._fade,
@@ -344,14 +341,14 @@ class ControllerCore:
             lower_clipped=measured.lower_clipped,
         )
 
-    def _wish(self, demand: Array, scale: Array, k: int, plan: PhasePlan) -> '_Wish':
+    def _wish(self, demand: Array, scale: Array, k: int, plan: PhasePlan) -> Wish:
         """What the phase makes of the law's demand (shape, V)."""
         phase, state = plan.at(k), self.law.state
         if phase not in ACTING:
             self._fade = signal = self._zero
             if phase == Phase.IDENTIFY:
                 signal = self._signals.at(k - plan.start_of(k))
-            return _Wish(signal, signal, self._nowhere, self._no_reason)
+            return Wish(signal, signal, self._nowhere, self._no_reason)
         self._fade = scale * self._fade_in(k, plan, phase)
         why = state.reason
         if self.law.needs_model:
@@ -363,13 +360,15 @@ class ControllerCore:
             why = np.where(self.clipping.paused, CLIPPED, why)
         if self._hold.busy:
             why = np.where(self._hold.held, HELD, why)
+        if self._late.on:
+            self._fade, why = self._zero, np.full(self.shape, JOINED)
         voltage = demand * self._fade
         if self._dither is not None and phase == Phase.CONTROL:
             voltage = voltage + self._dither.at(k - plan.start_of(k)) * self._fade
-        return _Wish(voltage, state.reference, state.adapting, why)
+        return Wish(voltage, state.reference, state.adapting, why)
 
     def _guard(
-        self, wish: '_Wish', measured: '_Measured', verdict: Integers, failed: Mask
+        self, wish: Wish, measured: Measured, verdict: Integers, failed: Mask
     ) -> tuple[Guarded, Integers]:
         """Let the wish through the guard; give what came out and the reasons (shape)."""
         valid, whole = measured.valid, measured.whole
@@ -378,9 +377,12 @@ class ControllerCore:
         demand = wish.demand if whole else np.where(valid, wish.demand, 0.0)
         guarded = self.guard.apply(demand, False if stop is None else stop != 0)
         self._saturated = guarded.saturated
+        why = wish.reason
+        if self._received.reason is not None:
+            why = np.where(self._received.reason != 0, self._received.reason, why)
         if alarmed or some(guarded.fault):
-            return guarded, self._faults.explain(guarded, valid, wish.reason, stop)
-        return guarded, wish.reason
+            return guarded, self._faults.explain(guarded, valid, why, stop)
+        return guarded, why
 
     def _fade_in(self, k: int, plan: PhasePlan, phase: Phase) -> float:
         """Share of the law's voltage while CONTROL begins."""

@@ -23,6 +23,7 @@ from satvib_common.sequence import Arrival
 
 from satvib_control.core.controller import ControllerCore, ControllerOutput
 from satvib_control.core.parameters import state_every
+from satvib_control.core.reception import received_of
 from satvib_control.core.rehearsal import rehearse
 from satvib_control.nodes.state_report import StateReport
 from satvib_control.parameters import ControllerParameters
@@ -39,6 +40,7 @@ Index = tuple[int, ...]
 # without a schedule
 _STANDBY = PhasePlan((Phase.STANDBY,), (0,))
 _CONTROL = PhasePlan((Phase.CONTROL,), (0,))
+_PATIENCE = 1.0  # s, for the schedule of a run that is on
 
 
 class ControllerNode(SatvibNode[P]):
@@ -60,6 +62,7 @@ class ControllerNode(SatvibNode[P]):
         self.offer('hold')
         self.offer('release')
         self.plan: PhasePlan | None = None
+        self.patient_until = time.monotonic() + _PATIENCE
         self.gate = ScheduleGate(
             self, self.shared('schedule'), self.parameters.sample_rate, self.run_is_on
         )
@@ -87,10 +90,14 @@ class ControllerNode(SatvibNode[P]):
         """How many samples wait for what they need."""
 
     def proceed(self) -> None:
-        """Answer what can be answered: in lockstep nothing before there is a plan."""
+        """Answer what can be answered: in lockstep nothing before there is a plan.
+
+        A node that joins a run in real time gives the schedule, which comes on a topic of its own, a moment to arrive.
+        """
         p = self.parameters
         plan = self.plan or (_CONTROL if p.control_at_start else None)
-        if plan is not None or not p.lockstep:
+        waits = p.lockstep or time.monotonic() < self.patient_until
+        if plan is not None or not waits:
             self.work(plan or _STANDBY)
 
     def deactivate(self) -> None:
@@ -180,8 +187,9 @@ class ControllerNode(SatvibNode[P]):
         """Publish voltage and state of every strut for the sample of number k."""
         start = time.perf_counter()
         readings = [(s.upper, s.lower, s.upper_clipped, s.lower_clipped) for s in samples]
-        upper, lower, *clipped = zip(*readings, strict=True) if self.core.shape else readings[0]
-        output = self.core.step(k, plan, upper, lower, arrival, *clipped)
+        upper, lower, up, low = zip(*readings, strict=True) if self.core.shape else readings[0]
+        received = received_of(samples, self.core.shape)
+        output = self.core.step(k, plan, upper, lower, arrival, up, low, received)
         for i, (place, sample) in enumerate(zip(self.places, samples, strict=True)):
             v = self.voltages[i]
             v.header, v.sequence = sample.header, k

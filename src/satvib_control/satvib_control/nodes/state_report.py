@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a controller says besides its voltages: states, and how far it is; nothing is filled in for nobody."""
 
+import math
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -49,6 +50,8 @@ class StateReport:
                 s.header = sample.header
                 vars(s).update(output.fields(place))
                 s.time_step, s.compute_time = step, now - start
+                s.applied_state = sample.applied_state
+                s.applied = sample.applied if sample.applied_state else math.nan
                 out.publish(s)
         if now - self._progress_at >= _PROGRESS:
             self._progress_at = now

@@ -100,6 +100,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
 
     def _on_model(self, message: IirParameters) -> None:
         self.check_period(f'{self.strut} identified_model', message)
+        self.core.know_biases(message.bias, message.bias_lower)
         self.models.add(message.sequence, message, self.plan, message.next_sequence)
         self.proceed()
         if self.plan is not None:

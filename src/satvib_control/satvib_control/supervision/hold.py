@@ -42,13 +42,17 @@ class Hold:
         """Release where `mask` (shape) holds."""
         self.held = self.held & ~np.asarray(mask)
 
-    def step(self) -> Array:
-        """Give the share of the law's voltage (shape) for the next sample."""
-        if not self.busy:
+    def step(self, interrupted: Mask | None = None) -> Array:
+        """Give the share of the law's voltage (shape) for the next sample; 0 where (shape) it is interrupted."""
+        if interrupted is not None and not interrupted.any():
+            interrupted = None
+        if not self.busy and interrupted is None:
             return self._share
         self._left = self._left - self._dt
         self.held = self.held & (self._left > 0.0)
         change = np.where(self.held, -self._dt / FADE_TIME, self._dt / RETURN_TIME)
         self._share = np.minimum(np.maximum(self._share + change, 0.0), 1.0)
+        if interrupted is not None:
+            self._share = np.where(interrupted, 0.0, self._share)
         self.busy = bool((self.held | (self._share < 1.0)).any())
         return self._share

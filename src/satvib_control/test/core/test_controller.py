@@ -266,7 +266,7 @@ def test_the_output_fills_the_message(make_isolator, make_loop, settings, paper_
     loop = make_loop(settings(sample_rate=RATE), make_isolator(RATE), paper_plan(RATE))
     _, out = loop.step()
     fields = out.fields()
-    node = {'header', 'time_step', 'compute_time'}
+    node = {'header', 'time_step', 'compute_time', 'applied', 'applied_state'}
     path = Path(__file__).parents[3] / 'satvib_msgs/msg/ControllerState.msg'
     names = {
         line.split()[1]

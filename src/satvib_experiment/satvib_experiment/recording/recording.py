@@ -27,7 +27,11 @@ Group = dict[str, NDArray[Any]]
 FORMAT = 'satvib recording 1'
 
 # Fields that describe the machine, not the experiment.
-MACHINE_FIELDS = {('state', 'compute_time'), ('state', 'time_step')}
+MACHINE_FIELDS = {
+    ('state', 'compute_time'), ('state', 'time_step'), ('state', 'applied'), ('state', 'applied_state'),
+    ('acceleration', 'applied'), ('acceleration', 'applied_state'), ('acceleration', 'pace'),
+    ('model', 'bias_lower'),
+}  # fmt: skip
 
 
 @dataclass

@@ -10,7 +10,10 @@ from satvib_experiment.recording.topics import TOPICS
 MESSAGES = Path(__file__).resolve().parents[3] / 'satvib_msgs' / 'msg'
 # what a message has besides the figures of its strut
 OF_ALL_STRUTS = {'header', 'sequence', 'sample_period', 'delay', 'phase', 'law', 'missed_samples'}
-OF_THE_MACHINE = {'time_step', 'compute_time'}
+# what nodes tell each other, which the twin knows without telling
+OF_THE_MACHINE = {
+    'time_step', 'compute_time', 'applied', 'applied_state', 'pace', 'bias_lower',
+}  # fmt: skip
 # how a bag packs samples and models
 PACKING = {
     'samples', 'strokes', 'stroke_peaks', 'force_peaks', 'currents', 'next_sequence', 'fine_period',

@@ -2,15 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node `strut_identifier`: carries messages to and from `IdentifierCore`.
 
-Sample k of the acceleration is paired with the voltage of sample k - delay that the strut's guard applied (see
-`voltage_pairing`). In lockstep the node waits for both and for the schedule.
+Sample k of the acceleration is paired with the voltage of sample k - delay that the coil got (see `voltage_pairing`).
+The samples of `plant_sim` and `daq_bridge` say what that was; then the node needs no voltage from the controller. Of
+other sources it takes the voltage that was asked for. In lockstep it waits for the schedule and for what it needs.
 
 When the model is published is in `model_times`. After the last sample that it estimates with, the node hears nothing
 more: it ends its subscriptions and costs nothing, until a new schedule or another source of samples is there.
 """
 
+import math
+
 import numpy as np
-from satvib_common.phases import Phase
+from satvib_common.phases import Phase, PhasePlan
 from satvib_common.ros.convert import check_period, fill, set_header
 from satvib_common.ros.delivery.endpoints import Input
 from satvib_common.ros.main import run_node
@@ -18,13 +21,16 @@ from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
 from satvib_common.ros.schedule_gate import ScheduleGate
 from satvib_common.sequence import Arrival, SequenceTracker
+from satvib_common.struts.applied import CHANGED
 
 from satvib_ident.identifier import Identification, IdentifierCore
 from satvib_ident.model_times import ModelTimes
+from satvib_ident.nodes.biases import Biases
+from satvib_ident.nodes.hearing import Hearing
 from satvib_ident.nodes.voltage_pairing import VoltagePairing
 from satvib_ident.parameters import IdentifierParameters
 from satvib_ident.rehearsal import rehearse
-from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration, VcaVoltage
+from satvib_msgs.msg import ControllerState, IirParameters, Schedule, StrutAcceleration, VcaVoltage
 
 _GATHER = 0.005  # s
 _NEAR = 9  # samples
@@ -47,8 +53,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self.core = IdentifierCore(p)
         self.times: ModelTimes | None = None
         self.gate = ScheduleGate(self, self.shared('schedule'), p.sample_rate, self._run_is_on)
-        self.ears: list[Input] = []
-        self.sources: set[bytes] = set()  # of the samples, when the node ceased to listen
+        self.hearing = Hearing(self, p.lockstep, self._on_voltage, self._on_acceleration)
         self.phases = frozenset(Phase[name] for name in p.estimate_in)
         self.core.tracker = SequenceTracker(confirm=True, zero_restarts=p.lockstep)
         self.pairing: VoltagePairing[StrutAcceleration] = VoltagePairing(
@@ -56,46 +61,29 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         )
         self.message = IirParameters(sample_period=p.dt, delay=p.delay)
         self.publisher = self.publish_on(IirParameters, 'identified_model')
+        self.biases = Biases()
+        self.states: Input | None = None
 
     def activate(self) -> None:
         """Listen to the strut and to the schedule."""
         self.listen_to(Schedule, self.shared('schedule'), self._on_schedule, wanted(whole=True))
-        self._listen()
+        self.hearing.begin()
 
     def deactivate(self) -> None:
         """The base ends the subscriptions."""
-        self.ears.clear()
+        self.hearing.forget()
+        self.states = None
 
     def tick(self) -> float:
         """While the node hears nothing, look now and then whether there is another source of samples."""
-        if self.ears:
-            return super().tick()
-        present = self._present_sources()
-        if present and not present & self.sources:
-            self._listen()
-        return _LOOK
-
-    def _listen(self) -> None:
-        qos = wanted(whole=self.parameters.lockstep)
-        self.ears = [
-            self.listen_to(VcaVoltage, 'voltage', self._on_voltage, qos),
-            self.listen_to(StrutAcceleration, 'acceleration', self._on_acceleration, qos),
-        ]
-
-    def _cease_to_listen(self) -> None:
-        self.sources = self._present_sources()
-        for ear in self.ears:
-            self.forget(ear)
-        self.ears.clear()
-
-    def _present_sources(self) -> set[bytes]:
-        infos = self.get_publishers_info_by_topic(self.resolve_topic_name('acceleration'))
-        return {bytes(info.endpoint_gid) for info in infos}
+        if not self.hearing.on and self.hearing.is_another_source():
+            self.hearing.begin()
+        return _LOOK if not self.hearing.on else super().tick()
 
     def pause(self) -> float:
         """In lockstep messages gather until a hand-over is near, which saves wake-ups."""
         times, last = self.times, self.core.tracker.last
-        if not self.ears or times is None or last is None or not self.parameters.lockstep:
+        if not self.hearing.on or times is None or last is None or not self.parameters.lockstep:
             return 0.0
         plan, period = times.plan, self.parameters.model_period
         near = any(plan.is_hand_over(k, period) for k in range(last, last + _NEAR))
@@ -118,20 +106,17 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         return f'{samples.lost} samples lost' if samples.lost else '', figures
 
     def _on_schedule(self, message: Schedule) -> None:
-        plan = self.gate.take(message)
-        if plan is None:
-            return
-        self.times = ModelTimes(plan, self.phases, self.parameters.model_period)
-        if not self.ears:
-            self._listen()
-        self._work()
+        if (plan := self.gate.take(message)) is not None:
+            self.times = ModelTimes(plan, self.phases, self.parameters.model_period)
+            self.hearing.begin()
+            self._work()
 
     def _run_is_on(self) -> bool:
         last = self.core.tracker.last
         if self.times is None or last is None:
             return False
-        if not self.ears:  # the run goes on without this node
-            return bool(self._present_sources() & self.sources)
+        if not self.hearing.on:  # the run goes on without this node
+            return self.hearing.is_same_source()
         end = self.times.plan.end
         return end == 0 or last < end - 1
 
@@ -145,7 +130,23 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
             check_period(
                 f'{self.strut} acceleration', message.sample_period, self.parameters.sample_rate
             )
+            self.biases.begin()
+        if message.applied_state and arrival not in {Arrival.REPEAT, Arrival.STRAY}:
+            self._take_applied(message)
         self._work()
+
+    def _take_applied(self, message: StrutAcceleration) -> None:
+        if self.parameters.delay > 0:
+            self.pairing.add_applied(message.sequence - 1, message.applied)
+            self.hearing.need_no_voltages()
+        elif message.applied_state >= CHANGED:
+            self.pairing.add_applied(message.sequence, math.nan)
+
+    def _on_state(self, message: ControllerState) -> None:
+        if self.states is not None and self.biases.awaited:
+            self.core.know_bias(np.asarray(self.biases.take(message)))
+            self.forget(self.states)
+            self.states = None
 
     def _work(self) -> None:
         """Process every sample that has all it needs."""
@@ -155,7 +156,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
 
     def _identify(self, sample: StrutAcceleration, voltage: float, arrival: Arrival) -> None:
         k, times = sample.sequence, self.times
-        phase = Phase.STANDBY if times is None else times.plan.at(k)
+        phase = Phase.STANDBY if times is None else self._phase(sample, times.plan)
         found = self.core.step(
             k, phase, np.asarray(sample.upper), np.asarray(voltage), arrival,
             np.asarray(sample.upper_clipped),
@@ -164,15 +165,25 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
             return
         if times.publishes(k):
             self._publish(sample, found, times.next_after(k))
-        if self.ears and times.is_over(k):
-            self._cease_to_listen()
+        if self.hearing.on and times.is_over(k):
+            self.hearing.cease()
+
+    def _phase(self, sample: StrutAcceleration, plan: PhasePlan) -> Phase:
+        """The phase of a sample; nothing is estimated before the bias is known."""
+        self.biases.see(sample, plan)
+        if not self.biases.awaited:
+            return plan.at(sample.sequence)
+        if self.states is None:
+            qos = wanted(whole=False)
+            self.states = self.listen_to(ControllerState, 'controller_state', self._on_state, qos)
+        return Phase.STANDBY
 
     def _publish(self, sample: StrutAcceleration, found: Identification, after: int) -> None:
         m = self.message
         set_header(m, sample.header)
         m.sequence = sample.sequence
         fill(m, found.figures())
-        m.next_sequence = after
+        m.next_sequence, m.bias_lower = after, self.biases.lower
         self.publisher.publish(m)
 
 

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pairs the acceleration of sample k with the voltage of sample k - delay, by `sequence`.
 
-Each has its own topic, so either may arrive first. In lockstep a sample waits for its voltage. In real time the voltage
-has until the next sample. When a newer voltage has arrived, an older one is lost: it is NaN, not known. Before sample 0
-the voltage is known to be 0.
+A source of samples that says what the coil got (`add_applied`) counts more than the controller: its sample holds the
+voltage of the one before. Of other sources the voltage that was asked for is taken. That has its own topic, so either
+may arrive first. In lockstep a sample waits for its voltage. In real time the voltage has until the next sample. When a
+newer voltage has arrived, an older one is lost: it is NaN, not known. Before sample 0 the voltage is known to be 0.
 """
 
 import math
@@ -33,6 +34,7 @@ class VoltagePairing(Generic[T]):
         self.voltages = SequenceTracker(confirm=True, zero_restarts=wait)
         self._waiting: deque[tuple[int, T, Arrival]] = deque()
         self._known: dict[int, float] = {}
+        self._applied = -1  # the last sample of which it is known what the coil got
 
     def __len__(self) -> int:
         """Number of samples that wait."""
@@ -45,7 +47,15 @@ class VoltagePairing(Generic[T]):
             return
         if arrival is Arrival.RESTART:
             self._known.clear()
-        self._known[sequence] = voltage
+            self._applied = -1
+        if sequence > self._applied:
+            self._known[sequence] = voltage
+
+    def add_applied(self, sequence: int, voltage: float) -> None:
+        """Take what the coil got for a sample, which stands above what was asked for; NaN: not known."""
+        if sequence >= 0:
+            self._applied = sequence
+            self._known[sequence] = voltage
 
     def add_sample(self, sequence: int, sample: T) -> Arrival:
         """Take a sample; a repeated one is left out."""
@@ -55,6 +65,7 @@ class VoltagePairing(Generic[T]):
             if self.voltages.restarts < self.samples.restarts:
                 # what is known belongs to the run before
                 self._known.clear()
+                self._applied = -1
                 self.voltages.last = None
                 self.voltages.restarts = self.samples.restarts
         if arrival not in {Arrival.REPEAT, Arrival.STRAY}:
@@ -68,7 +79,7 @@ class VoltagePairing(Generic[T]):
             voltage = 0.0 if wanted < 0 else self._known.get(wanted)
             if voltage is None:
                 newest = self.voltages.last
-                passed = newest is not None and newest > wanted
+                passed = (newest is not None and newest > wanted) or self._applied > wanted
                 if not passed and (self.wait or len(self._waiting) < 2):
                     return
                 voltage = math.nan

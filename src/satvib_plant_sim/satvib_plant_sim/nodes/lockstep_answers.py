@@ -8,6 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 from satvib_common.errors import RunError, SatvibError
 
+ANOTHER_PLANT = (
+    'voltages for samples that this plant has not published: another source of samples is running; '
+    'stop one of them'
+)
+
 
 class Answers:
     """The voltages of the present sample.
@@ -48,3 +53,15 @@ class Answers:
     def missing(self, k: int) -> list[str]:
         """Names of the struts that have not answered sample k."""
         return [name for name, last in zip(self.names, self._answered, strict=True) if last != k]
+
+    def check(self, k: int, silence: float, limit: float) -> None:
+        """End the run when sample k has waited for longer (s) than allowed.
+
+        Raises:
+            RunError: it has; the struts are named.
+        """
+        if silence > limit:
+            raise RunError(
+                f'no voltage for sample {k} from {", ".join(self.missing(k))} within '
+                f'{limit:g} s; is the controller there, and its identifier?'
+            )

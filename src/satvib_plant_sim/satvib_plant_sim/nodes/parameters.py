@@ -46,10 +46,20 @@ class PlantParameters(Schema):
     )
     command_timeout: float = param(
         0.05,
-        'real time: without a voltage for this long, ramp to 0 V and latch',
+        'real time: without a voltage for this long, 0 V; a voltage that answers an older sample does not count',
         unit='s',
         above=0.0,
     )
+    after_silence: str = param(
+        'resume',
+        'real time, after 0 V because no voltage came: resume: go on when voltages come again; '
+        'latch: 0 V until reset',
+        choices=('resume', 'latch'),
+    )
+    return_time: float = param(
+        0.3, 'time over which a voltage rises from 0 V after a silence or a reset', unit='s',
+        minimum=0.0, maximum=60.0,
+    )  # fmt: skip
     truth_period: float = param(
         0.05, 'length of the blocks in which the truth is published; 0: every sample by itself',
         unit='s', minimum=0.0, maximum=60.0, read_only=True,

@@ -7,11 +7,9 @@ advances. Stamps are k periods from 0. Real time: samples are due at absolute in
 overdue is made up for at once, so that the count follows the time. The voltages' arrivals are measured.
 """
 
-import math
 import time
 from functools import partial
 
-import numpy as np
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from satvib_common.arrays import Array
@@ -21,15 +19,16 @@ from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
 from satvib_common.ros.schedule_gate import ScheduleGate
+from satvib_common.sequence import Rivals
+from satvib_common.struts.applied import Pace
 from satvib_common.struts.names import strut_names
 
-from satvib_msgs.msg import Schedule, StrutAcceleration, StrutTruth, VcaVoltage
+from satvib_msgs.msg import Schedule, VcaVoltage
 from satvib_plant_sim.nodes.arrivals import Arrivals
-from satvib_plant_sim.nodes.lockstep_answers import Answers
+from satvib_plant_sim.nodes.lockstep_answers import ANOTHER_PLANT, Answers
 from satvib_plant_sim.nodes.parameters import PlantParameters
-from satvib_plant_sim.nodes.plant_messages import StrutMessage
+from satvib_plant_sim.nodes.plant_messages import PlantOutputs
 from satvib_plant_sim.nodes.realtime_commands import Commands
-from satvib_plant_sim.nodes.truth_block import TruthBlock
 
 _CLOCK_PERIOD = 0.01  # s of wall time between two messages on /clock
 _HEAD_START = 0.2  # s from the schedule to sample 0 in real time
@@ -46,16 +45,17 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         p = self.parameters
         self.plant = plant = p.make_plant()
         self.names = names = list(strut_names(plant.struts))
-        self.messages = [StrutMessage(i, name, plant.dt) for i, name in enumerate(names)]
-        self.samples_out = [self.publish_on(StrutAcceleration, f'{n}/acceleration') for n in names]
-        outs = [self.publish_on(StrutTruth, f'{n}/truth', spared=True) for n in names]
-        truths = [StrutTruth(fine_period=plant.fine_period) for _ in names]
-        self.truth = TruthBlock(names, truths, outs, max(round(p.truth_period / plant.dt), 1))
+        pace = Pace.LOCKSTEP if p.lockstep else Pace.CLOCK
+        block = max(round(p.truth_period / plant.dt), 1)
+        self.out = PlantOutputs(self.publish_on, names, plant, pace, block)
         self.arrivals = Arrivals(p.arrival_file)
         self.clock_out = self.create_publisher(Clock, '/clock', qos_profile_sensor_data)
         self.clock, self.clock_at, self.published_at = Clock(), 0.0, 0.0
-        self.answers = Answers(self.names)
-        self.commands = Commands(plant.struts, p.command_timeout, plant.dt)
+        self.answers = Answers(names)
+        self.commands = Commands(
+            names, p.command_timeout, plant.dt, p.after_silence == 'resume', p.return_time
+        )
+        self.ahead = Rivals()
         self.k, self.end_at, self.awaited = -1, 0, 0  # sample that is out, end, voltages to come
         self.gate = ScheduleGate(self, 'schedule', 1.0 / plant.dt, lambda: self.k >= 0, self.names)
         self.stamp_of_start = self.overdue = 0
@@ -77,12 +77,12 @@ class PlantSimNode(SatvibNode[PlantParameters]):
 
     def deactivate(self) -> None:
         """Publish and write what has been gathered."""
-        self.truth.flush()
+        self.out.flush()
         self.arrivals.save(self.overdue)
 
     def stop(self) -> str:
         """Latch 0 V at every strut."""
-        self.commands.latch()
+        self.commands.stop()
         return 'every strut goes to 0 V and stays there until reset'
 
     def reset(self) -> str:
@@ -90,13 +90,16 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.commands.reset()
         return 'faults are released'
 
+    def changed(self, parameters: PlantParameters) -> None:
+        """Take new times."""
+        p = parameters
+        self.commands.apply(p.command_timeout, p.after_silence == 'resume', p.return_time)
+
     def diagnose(self) -> tuple[str, dict[str, object]]:
         """Give the counts."""
-        at_fault = [n for n, f in zip(self.names, self.commands.fault, strict=True) if f]
-        late = {'late voltages': self.commands.late, 'late samples': self.overdue}
-        complaint = f'0 V latched at {", ".join(at_fault)}' if at_fault else ''
-        complaint = complaint if self.k >= 0 else 'waiting for the schedule'
-        return complaint, {'sequence': self.k, **late}
+        figures: dict[str, object] = {'sequence': self.k, 'late samples': self.overdue}
+        complaint = self.commands.complaint() if self.k >= 0 else 'waiting for the schedule'
+        return complaint, figures | self.commands.counts()
 
     def tick(self) -> float:
         """In real time do a sample that is due; gives the time to the next, in s."""
@@ -134,20 +137,17 @@ class PlantSimNode(SatvibNode[PlantParameters]):
             return  # of a run before
         if self.zero is None:
             if self.answers.take(i, sequence, voltage, k):
-                self._advance(np.where(self.commands.fault, 0.0, self.answers.voltage), None)
+                self._advance(self.commands.pass_on(self.answers.voltage), None)
             return
         now = time.monotonic()
         self.arrivals.arrived(i, sequence)
-        if not math.isfinite(voltage):
-            text = (
-                f'{self.names[i]}: the voltage of sample {sequence} is {voltage}; 0 V until reset'
-            )
-            self.get_logger().error(text, throttle_duration_sec=1.0)
+        if self.ahead.saw(sequence > k):
+            raise RunError(f'{self.names[i]}: {ANOTHER_PLANT}')
         since = max(now - self.zero - k * self.plant.dt, 0.0)
-        self.commands.take(i, voltage, now, since, late=sequence < k)
+        self.commands.take(i, sequence, voltage, now, since, k)
         self.awaited -= sequence == k
         if self.awaited == 0:
-            self.truth.flush_whole()  # nobody is in a hurry now
+            self.out.flush_whole()  # nobody is in a hurry now
 
     def _advance(self, voltage: Array, arrival: Array | None) -> None:
         """End the period of sample k; the next sample goes out first, because the controllers wait for it."""
@@ -156,7 +156,9 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         over = 0 < self.end_at <= k + 1
         if not over:
             self._publish_sample()
-        self.truth.add(truth, k, self._stamp(k), at_once=self.zero is None)
+        self.out.period(truth, k, self._stamp(k), self.commands, at_once=self.zero is None)
+        while self.commands.events:
+            self.get_logger().warning(self.commands.events.pop(0))
         if over:
             self.finish(
                 f'{k + 1} samples of {len(self.names)} struts, {(k + 1) * self.plant.dt:g} s; '
@@ -168,8 +170,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.k, self.awaited = sample.sequence, len(self.names)
         stamp = self._stamp(self.k)
         self.arrivals.published(self.k)
-        for strut, publisher in zip(self.messages, self.samples_out, strict=True):
-            publisher.publish(strut.sampled(sample, stamp))
+        self.out.sample(sample, stamp, self.commands)
         self.published_at = now = time.monotonic()
         if now - self.clock_at >= _CLOCK_PERIOD:
             self.clock_at = now
@@ -183,12 +184,8 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         """In lockstep, end the run when a voltage does not come."""
         if not self.active or self.zero is not None or self.k < 0:
             return
-        limit, k = self.parameters.lockstep_timeout, self.k
-        if time.monotonic() - self.published_at > limit:
-            raise RunError(
-                f'no voltage for sample {k} from {", ".join(self.answers.missing(k))} within '
-                f'{limit:g} s; is the controller there, and its identifier?'
-            )
+        silence = time.monotonic() - self.published_at
+        self.answers.check(self.k, silence, self.parameters.lockstep_timeout)
 
 
 def main() -> None:

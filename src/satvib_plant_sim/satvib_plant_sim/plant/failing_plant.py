@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
-from satvib_common.guard import towards_zero
 
 from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.disturbance.factory import make_disturbance
@@ -60,7 +59,6 @@ class FailingPlant:
         self._rigs: list[AnyRig] = list(plant.rigs)
         self._blind, self._dead = np.zeros(flat, dtype=bool), np.zeros(flat, dtype=bool)
         self._held, self._silent = np.zeros(flat), np.zeros(flat)
-        self._level = np.zeros(flat)
         self._timeout = max(round(timeout / plant.dt), 1)
 
     @property
@@ -97,14 +95,13 @@ class FailingPlant:
         if self._dead.any():
             asked = np.asarray(voltage, dtype=float).reshape(self._dead.shape)
             self._silent = np.where(self._dead, self._silent + 1.0, 0.0)
-            ramped = towards_zero(self._held, np.abs(self._level) / self._timeout)
             over = self._dead & (self._silent >= self._timeout)
-            self._held = np.where(over, ramped, np.where(self._dead, self._held, asked))
-            self._level = np.where(self._dead, self._level, asked)
+            held = np.where(self._dead, self._held, asked)
+            self._held = np.where(over, 0.0, held)
             voltage = self._held.reshape(*self.shape, self.struts)
         else:
             held = np.asarray(voltage, dtype=float).reshape(self._dead.shape)
-            self._held = self._level = held
+            self._held = held
         return self.plant.advance(voltage, arrival)
 
     def _happen(self, k: int) -> None:

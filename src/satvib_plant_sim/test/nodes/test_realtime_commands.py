@@ -5,54 +5,143 @@
 import numpy as np
 import pytest
 from satvib_common.errors import RunError, SatvibError
+from satvib_common.struts.applied import Applied
 from satvib_plant_sim.nodes.lockstep_answers import Answers
-from satvib_plant_sim.nodes.realtime_commands import Commands
+from satvib_plant_sim.nodes.realtime_commands import RIVALS, Commands
 
-PERIOD, TIMEOUT = 0.01, 0.05
+PERIOD, TIMEOUT, RETURN = 0.01, 0.05, 0.1
+ONE, TWO = ['strut_1'], ['strut_1', 'strut_2']
+
+
+def make(names, resume=True):
+    return Commands(names, TIMEOUT, PERIOD, resume, RETURN)
+
+
+class Clock:
+    """Samples of one strut, period by period, each answered or not."""
+
+    def __init__(self, commands):
+        self.commands, self.k = commands, 0
+
+    def period(self, voltage=None, old=0):
+        """One period: the voltage answers the sample `old` periods before; gives what the coil had."""
+        at = self.k * PERIOD
+        if voltage is not None:
+            self.commands.take(0, self.k - old, voltage, at + 0.004, 0.004, self.k)
+        self.k += 1
+        return self.commands.period_over(self.k * PERIOD)[0][0]
+
+    def state(self):
+        return Applied(int(self.commands.state[0]))
 
 
 def test_a_command_holds_until_the_next():
     """Truth: zero-order hold, by hand; the arrival belongs to its period alone."""
-    commands = Commands(2, TIMEOUT, PERIOD)
-    commands.take(0, 3.0, now=0.004, since_sample=0.004, late=False)
+    commands = make(TWO)
+    commands.take(0, 0, 3.0, 0.004, 0.004, 0)
     voltage, arrival = commands.period_over(0.01)
     assert (voltage.tolist(), arrival.tolist()) == ([3.0, 0.0], [0.004, 0.0])
+    assert commands.state.tolist() == [Applied.APPLIED, Applied.WAITING]
     voltage, arrival = commands.period_over(0.02)
     assert (voltage.tolist(), arrival.tolist()) == ([3.0, 0.0], [0.0, 0.0])
 
 
-def test_silence_is_ramped_to_zero_and_latched():
-    """Truth: a straight line to 0 V within the timeout's own length, 5 periods; then nothing but reset helps."""
-    commands = Commands(1, TIMEOUT, PERIOD)
-    commands.take(0, -5.0, now=0.0, since_sample=0.0, late=False)
-    seen = [commands.period_over((k + 1) * PERIOD)[0][0] for k in range(14)]
-    assert seen[:5] == [-5.0] * 5
-    np.testing.assert_allclose(seen[5:10], [-4.0, -3.0, -2.0, -1.0, 0.0], atol=1e-12)
-    assert seen[10:] == [0.0] * 4
-    assert commands.fault.all()
-    commands.take(0, 2.0, now=0.2, since_sample=0.0, late=True)
-    assert commands.period_over(0.21)[0][0] == 0.0
-    assert commands.late == 1
+def test_silence_is_0_v_at_once_and_ends_by_itself():
+    """Truth: the design. 0 V after 50 ms; then tenths of the voltage, 0.1 s long; the console hears of both."""
+    commands = make(ONE)
+    clock = Clock(commands)
+    seen = [clock.period(-5.0), *(clock.period() for _ in range(9))]
+    assert seen == [-5.0] * 5 + [0.0] * 5
+    assert clock.state() is Applied.SILENT
+    assert '0 V: no fresh voltage for 50 ms' in commands.complaint()
+    back = [clock.period(2.0) for _ in range(12)]
+    np.testing.assert_allclose(back, [*np.arange(0.2, 2.0, 0.2), 2.0, 2.0, 2.0], rtol=1e-12)
+    assert clock.state() is Applied.APPLIED
+    assert not commands.complaint()
+    fell, rose = commands.events
+    assert 'strut_1: 0 V: no fresh voltage' in fell
+    assert 'applied again' in rose
+
+
+def test_silence_can_be_latched():
+    """Truth: the design. With `latch` nothing but reset helps, and the complaint names it."""
+    commands = make(ONE, resume=False)
+    clock = Clock(commands)
+    clock.period(-5.0)
+    assert [clock.period() for _ in range(6)][-1] == 0.0
+    assert [clock.period(2.0) for _ in range(20)] == [0.0] * 20
+    assert clock.state() is Applied.LATCHED
+    assert 'call ~/reset' in commands.complaint()
     commands.reset()
-    commands.take(0, 2.0, now=0.22, since_sample=0.0, late=False)
-    assert commands.period_over(0.23)[0][0] == 2.0
+    assert clock.period() == 0.0
+    assert 0.0 < clock.period(2.0) < 2.0
+    assert [clock.period(2.0) for _ in range(10)][-1] == 2.0
+
+
+def test_a_voltage_for_a_sample_long_ago_is_not_fresh():
+    """Truth: the design. After a stall the answers to old samples come in one burst: none of them reaches the coil."""
+    commands = make(ONE)
+    clock = Clock(commands)
+    clock.period(1.0)
+    for _ in range(30):
+        clock.period()
+    for k in range(1, 25):
+        commands.take(0, k, 9.0, clock.k * PERIOD, 0.0, clock.k)
+    assert commands.stale == 24
+    assert clock.period() == 0.0
+    assert clock.state() is Applied.SILENT
+
+
+def test_two_controllers_are_a_fault():
+    """Truth: one controller answers a sample once. What is repeated latches 0 V, and the reason is named."""
+    commands = make(ONE)
+    clock = Clock(commands)
+    for _ in range(40):
+        commands.take(0, clock.k, 1.0, clock.k * PERIOD, 0.0, clock.k)
+        clock.period(-1.0)
+    assert commands.fault.all()
+    assert RIVALS in commands.complaint()
+
+
+def test_a_controller_that_comes_to_rest_may_say_0_v_again():
+    """Truth: what a controller says when it is deactivated: 0 V, for the sample that it has answered."""
+    commands = make(ONE)
+    clock = Clock(commands)
+    commands.take(0, 0, 3.0, 0.0, 0.0, 0)
+    assert clock.period(0.0) == 0.0
 
 
 def test_a_strut_that_was_never_heard_is_not_at_fault():
-    """Truth: the design. Nothing was commanded, so nothing is missing."""
-    commands = Commands(1, TIMEOUT, PERIOD)
+    """Truth: the design. Nothing was commanded, so nothing is missing; the state says that nothing came."""
+    commands = make(ONE, resume=False)
     for k in range(100):
         assert commands.period_over(k * PERIOD)[0][0] == 0.0
     assert not commands.fault.any()
+    assert commands.state.tolist() == [Applied.WAITING]
 
 
 def test_a_voltage_that_is_no_number_latches_its_strut_alone():
     """Truth: the house rule on voltages that are not finite."""
-    commands = Commands(2, TIMEOUT, PERIOD)
-    commands.take(0, float('nan'), now=0.0, since_sample=0.0, late=False)
-    commands.take(1, 1.0, now=0.0, since_sample=0.0, late=False)
+    commands = make(TWO)
+    commands.take(0, 0, float('nan'), 0.0, 0.0, 0)
+    commands.take(1, 0, 1.0, 0.0, 0.0, 0)
     assert commands.period_over(0.01)[0].tolist() == [0.0, 1.0]
     assert commands.fault.tolist() == [True, False]
+
+
+def test_lockstep_passes_voltages_on_unless_stopped():
+    """Truth: the design. The very bits; 0 V when stopped; a rise after reset."""
+    commands = make(TWO)
+    asked = np.array([0.1, -7.3])
+    assert commands.pass_on(asked).tolist() == asked.tolist()
+    assert commands.state.tolist() == [Applied.APPLIED] * 2
+    commands.stop()
+    assert commands.pass_on(asked).tolist() == [0.0, 0.0]
+    assert commands.state.tolist() == [Applied.LATCHED] * 2
+    commands.reset()
+    risen = [commands.pass_on(asked).tolist() for _ in range(11)]
+    np.testing.assert_allclose(risen[0], 0.1 * asked, rtol=1e-12)
+    assert risen[-1] == asked.tolist()
 
 
 def test_lockstep_collects_one_answer_per_strut():

@@ -138,18 +138,18 @@ def test_a_changed_disturbance_is_the_new_one():
     assert got[1000:] == pytest.approx(wanted[1000:], abs=2e-3)
 
 
-def test_a_killed_controller_is_held_and_ramped_as_the_board_does():
+def test_a_killed_controller_is_held_and_silenced_as_the_board_does():
     """Truth: `Commands`, the board's own rule in real time, told the same voltages at the samples."""
     u = voltages(100) + 3.0
     plant = FailingPlant(Plant(RIG, TONE, 3), [[failure('controller_killed', 0.2, strut=2)]])
-    board = Commands(3, 0.05, plant.dt)
+    board = Commands(['strut_1', 'strut_2', 'strut_3'], 0.05, plant.dt)
     at_terminals = []
     for k, v in enumerate(u):
         plant.sample()
         plant.advance(v)
         for strut in range(3):
             if strut != 1 or k < 40:
-                board.take(strut, v[strut], k * plant.dt, 0.0, late=False)
+                board.take(strut, k, v[strut], k * plant.dt, 0.0, k)
         # the board looks when the period is over; half a period avoids a tie of floats
         wanted, _ = board.period_over((k + 0.5) * plant.dt)
         at_terminals.append((plant.terminal_voltage.copy(), wanted.copy()))

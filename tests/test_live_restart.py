@@ -1,0 +1,285 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Real time: a node stalls, is killed, or is started again in the middle of a run, and the strut comes through it.
+
+One strut of the rig paper_1dof, 200 samples a second, velocity feedback. All spans are counted in samples.
+"""
+
+import signal
+
+import numpy as np
+import pytest
+from satvib_common.phases import Phase, PhasePlan
+from satvib_common.struts.applied import Applied
+
+CONTROLLER = ('satvib_control', 'strut_controller')
+IDENTIFIER = ('satvib_ident', 'strut_identifier')
+PLANT = ('satvib_plant_sim', 'plant_sim')
+RATE = 200
+TIMEOUT = 0.25  # s; 50 ms of a machine that does other things are no silence
+LOOP = {'sample_rate': float(RATE), 'lockstep': False}
+LAW = LOOP | {'law': 'velocity_feedback', 'struts': 1, 'state_period': 0.0}
+PLAN = PhasePlan(
+    (Phase.STANDBY, Phase.CALIBRATE, Phase.IDENTIFY, Phase.CONTROL), (0, 100, 300, 1500), 0
+)
+# for a machine on which a process needs seconds to start
+LONG = PhasePlan(PLAN.phases, (0, 100, 300, 100_000), 0)
+
+
+class Strut:
+    """A graph of one strut in real time, and all that it says."""
+
+    def __init__(self, start, probe, plan=PLAN, **plant):
+        from diagnostic_msgs.msg import DiagnosticArray
+
+        from satvib_msgs.msg import (
+            ControllerState,
+            IirParameters,
+            Schedule,
+            StrutAcceleration,
+            VcaVoltage,
+            VoltageApplied,
+        )
+
+        self.start, self.probe = start, probe
+        shake = '{kind: sine, frequency: 10.0, amplitude: 1.0, start: 7.5}'
+        setting = {'rig': 'paper_1dof', 'lockstep': False, 'disturbance': shake}
+        setting['command_timeout'] = TIMEOUT
+        self.plant = start(*PLANT, **setting, **plant)
+        self.identifier = start(*IDENTIFIER, '/strut_1', **LOOP)
+        self.controller = start(*CONTROLLER, '/strut_1', **LAW)
+        self.samples = probe.collect(StrutAcceleration, '/strut_1/acceleration')
+        self.voltages = probe.collect(VcaVoltage, '/strut_1/voltage')
+        self.states = probe.collect(ControllerState, '/strut_1/controller_state')
+        self.models = probe.collect(IirParameters, '/strut_1/identified_model')
+        self.blocks = probe.collect(VoltageApplied, '/strut_1/voltage_applied')
+        self.reports = probe.collect(DiagnosticArray, '/diagnostics', whole=False)
+        schedule = probe.publisher(Schedule, '/schedule')
+        self.wait_for_readers(3)
+        schedule.publish(
+            Schedule(
+                scenario='test', seed=1, sample_period=1.0 / RATE, struts=['strut_1'],
+                phases=[int(p) for p in plan.phases], first_sequence=list(plan.first),
+                end_sequence=plan.end,
+            )
+        )  # fmt: skip
+
+    def wait_for_readers(self, count):
+        """Until plant, controller and identifier have found each other."""
+        node = self.probe.node
+        self.probe.wait(
+            lambda: (
+                node.count_subscribers('/strut_1/acceleration') == count
+                and node.count_subscribers('/strut_1/voltage') == count
+                and node.count_publishers('/strut_1/voltage') == 1
+                and node.count_subscribers('/schedule') == count
+            )
+        )
+
+    @property
+    def k(self):
+        return self.samples[-1].sequence if self.samples else -1
+
+    def until(self, k):
+        self.probe.wait(lambda: self.k >= k)
+
+    def applied(self):
+        """What the coil got: voltage and state by sample, as the samples say it."""
+        voltage = {s.sequence - 1: s.applied for s in self.samples}
+        state = {s.sequence - 1: Applied(s.applied_state) for s in self.samples}
+        return voltage, state
+
+    def state(self):
+        """State of the newest sample."""
+        return Applied(self.samples[-1].applied_state)
+
+    def complaints(self, name):
+        return {s.message for r in self.reports for s in r.status if s.name == name}
+
+
+def offline(strut, plan=PLAN):
+    """The voltage by sample of a controller that was never away: its core, told the samples and models of the run."""
+    from satvib_control.core.reception import received_of
+
+    from satvib_control import ControllerCore, ControllerParameters
+    from satvib_ident import IirModel
+
+    core = ControllerCore(ControllerParameters(**LAW))
+    models = {m.sequence: m for m in strut.models}
+    asked, newest = {}, None
+    for s in sorted(strut.samples, key=lambda s: s.sequence):
+        k = s.sequence
+        newest = models.get(k - 1, newest)
+        if plan.is_hand_over(k, 50) and newest is not None:
+            m = newest
+            model = IirModel(np.array(m.a), np.array(m.b), m.delay, m.sample_period)
+            size = len(m.a) + len(m.b)
+            core.set_model(model, m.converged, m.reason, np.array(m.covariance).reshape(size, -1))
+        received = received_of([s], ())
+        out = core.step(k, plan, s.upper, s.lower, None, s.upper_clipped, s.lower_clipped, received)
+        asked[k] = float(out.voltage)
+    return asked
+
+
+def check_no_wrong_voltage(strut):
+    """While the strut was away or came back its coil had 0 V, or a share of a voltage that was asked for."""
+    voltage, state = strut.applied()
+    asked = sorted((v.sequence, v.voltage) for v in strut.voltages)
+    numbers = np.array([k for k, _ in asked])
+    for k, s in state.items():
+        if s in {Applied.SILENT, Applied.WAITING, Applied.LATCHED}:
+            assert voltage[k] == 0.0
+        elif s is Applied.RETURNING:
+            recent = [asked[i][1] for i in np.flatnonzero((numbers > k - 60) & (numbers <= k))]
+            assert any(abs(voltage[k]) <= abs(v) + 1e-12 for v in recent)
+
+
+def test_a_stalled_controller_is_silent_and_comes_back(start, probe):
+    """Truth: the design. 0 V at once after the time-out, said by plant, controller and topic; then a rise of 0.3 s."""
+    strut = Strut(start, probe)
+    strut.until(2200)
+    strut.controller.send(signal.SIGSTOP)
+    probe.wait(lambda: strut.state() is Applied.SILENT)
+    probe.wait(lambda: any('no fresh voltage' in t for t in strut.complaints('/plant_sim')))
+    strut.controller.send(signal.SIGCONT)
+    probe.wait(lambda: strut.state() is Applied.APPLIED)
+    strut.until(strut.k + RATE)
+    voltage, state = strut.applied()
+    silent = [k for k in state if state[k] is Applied.SILENT]
+    assert silent == list(range(silent[0], silent[-1] + 1))
+    rising = [k for k in state if state[k] is Applied.RETURNING]
+    assert abs(len(rising) - 0.3 * RATE) <= 1
+    assert rising[0] == silent[-1] + 1
+    assert max(abs(voltage[k]) for k in range(rising[-1], rising[-1] + 40)) > 0.1
+    check_no_wrong_voltage(strut)
+    probe.wait(lambda: any('0 V' in text for text in strut.complaints('/strut_1/strut_controller')))
+    assert {Applied.SILENT, Applied.RETURNING} <= {s.applied_state for s in strut.states}
+    assert '0 V: no fresh voltage for 250 ms' in strut.plant.said
+    assert 'applied again' in strut.plant.said
+    blocks = [(b.sequence + i, s) for b in strut.blocks for i, s in enumerate(b.states)]
+    assert {k for k, s in blocks if s == Applied.SILENT} == set(silent)
+
+
+def test_after_latch_only_reset_helps(start, probe):
+    """Truth: the design of `after_silence: latch`."""
+    from std_srvs.srv import Trigger
+
+    strut = Strut(start, probe, after_silence='latch')
+    strut.until(2200)
+    strut.controller.send(signal.SIGSTOP)
+    probe.wait(lambda: strut.state() is Applied.LATCHED)
+    strut.controller.send(signal.SIGCONT)
+    strut.until(strut.k + 2 * RATE)
+    assert strut.state() is Applied.LATCHED
+    assert strut.samples[-1].applied == 0.0
+    assert any('call ~/reset' in text for text in strut.complaints('/plant_sim'))
+    assert probe.call(Trigger, '/plant_sim/reset', Trigger.Request()).success
+    probe.wait(lambda: strut.state() is Applied.APPLIED)
+
+
+def check_model(strut, plan):
+    """The last model is that of an identifier that is told what the coil got, sample by sample; every bit."""
+    from satvib_ident import IdentifierCore, IdentifierParameters
+
+    core = IdentifierCore(IdentifierParameters(**LOOP))
+    last = strut.models[-1]
+    found = None
+    for s in sorted(strut.samples, key=lambda s: s.sequence):
+        if s.sequence <= last.sequence:
+            ends = np.asarray(s.upper_clipped)
+            applied = np.asarray(s.applied if s.sequence else 0.0)
+            phase = plan.at(s.sequence)
+            found = core.step(s.sequence, phase, np.asarray(s.upper), applied, None, ends)
+    assert found.a.tolist() == list(last.a)
+    assert found.b.tolist() == list(last.b)
+
+
+@pytest.mark.parametrize(
+    ('phase', 'at', 'end'),
+    [
+        ('CALIBRATE', 150, signal.SIGINT),
+        ('IDENTIFY', 600, signal.SIGKILL),
+        ('CONTROL', 2200, signal.SIGKILL),
+        ('CONTROL', 2200, signal.SIGINT),
+    ],
+)
+def test_a_controller_that_is_started_again_goes_on(start, probe, phase, at, end):
+    """Truth: the core of a controller that was never away, told the same samples and models.
+
+    The voltage is right where it differs from that by less than a tenth of its largest value. From the first fresh
+    answer of the new process on, that takes at most a second. Until then the coil has 0 V or a share of what is asked.
+    """
+    plan = PLAN if phase == 'CONTROL' else LONG
+    strut = Strut(start, probe, plan)
+    strut.until(at)
+    strut.controller.send(end)
+    strut.controller.wait()
+    probe.wait(lambda: strut.state() is Applied.SILENT)
+    again = start(*CONTROLLER, '/strut_1', **LAW)
+    probe.wait(lambda: strut.state() is Applied.APPLIED)
+    back = strut.k
+    strut.until(strut.k + 2 * RATE)
+    probe.wait(lambda: strut.states[-1].sequence >= strut.k - 20)
+    wanted = offline(strut, plan)
+    asked = {v.sequence: v.voltage for v in strut.voltages}
+    _, state = strut.applied()
+    for seen in strut.states:
+        assert seen.phase == plan.at(seen.sequence)
+    first = 1 + max(k for k, s in state.items() if s is Applied.SILENT and k < back)
+    span = range(first, first + 2 * RATE - 50)
+    limit = 0.1 * max(abs(wanted[k]) for k in span) + 1e-9
+    right = {
+        k: state[k] is Applied.APPLIED and abs(asked.get(k, np.nan) - wanted[k]) <= limit
+        for k in range(first, first + 2 * RATE)
+    }
+    begin = next(k for k in span if np.mean([right[i] for i in range(k, k + 50)]) > 0.9)
+    print(f'{phase}: right {(begin - first) / RATE:g} s after the first fresh answer')
+    assert begin - first < RATE
+    check_no_wrong_voltage(strut)
+    check_model(strut, plan)
+    assert again.popen.poll() is None
+
+
+@pytest.mark.parametrize(('phase', 'at'), [('IDENTIFY', 600), ('CONTROL', 2200)])
+def test_an_identifier_that_is_started_again_harms_nothing(start, probe, phase, at):
+    """Truth: the samples. The controller goes on to answer them; a new model needs the bias, which it has.
+
+    The bias of the first identifier was measured in CALIBRATE; that of the second one is the same number.
+    """
+    strut = Strut(start, probe, PLAN if phase == 'CONTROL' else LONG)
+    strut.until(at)
+    bias = strut.states[-1].bias_upper
+    strut.identifier.send(signal.SIGKILL)
+    strut.identifier.wait()
+    start(*IDENTIFIER, '/strut_1', **LOOP)
+    strut.until(at + 850)
+    if phase == 'IDENTIFY':
+        probe.wait(lambda: strut.models[-1].sequence > at + 600)
+    _, state = strut.applied()
+    assert not {Applied.LATCHED, Applied.WAITING} & {s for k, s in state.items() if k >= at}
+    assert {s.fault for s in strut.states} == {False}
+    if phase == 'IDENTIFY':
+        assert strut.models[-1].bias == bias
+
+
+def test_a_plant_that_is_started_again_begins_the_run_again(start, probe):
+    """Truth: the schedule, which is still there: sample 0, STANDBY, CALIBRATE with new biases, then the excitation."""
+    strut = Strut(start, probe)
+    strut.until(700)
+    strut.plant.send(signal.SIGKILL)
+    strut.plant.wait()
+    count = len(strut.samples)
+    shake = '{kind: sine, frequency: 10.0, amplitude: 1.0, start: 7.5}'
+    start(
+        *PLANT, rig='paper_1dof', lockstep=False, disturbance=shake, seed=2, command_timeout=TIMEOUT
+    )
+    probe.wait(lambda: len(strut.samples) > count and strut.k >= 600)
+    second = strut.samples[count:]
+    answers = [s for s in strut.states if s.header.stamp.sec >= second[0].header.stamp.sec]
+    assert {s.phase for s in answers if 10 < s.sequence < 90} == {Phase.STANDBY}
+    assert {s.phase for s in answers if 310 < s.sequence < 590} == {Phase.IDENTIFY}
+    rest = [s.upper for s in second if 100 <= s.sequence < 300]
+    newest = answers[-1]
+    assert newest.bias_upper == pytest.approx(np.mean(rest), abs=0.01)
+    assert {Applied(s.applied_state) for s in second if s.sequence > 320} == {Applied.APPLIED}
+    assert max(abs(s.applied) for s in second if s.sequence > 320) == 10.0
