@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from satvib_common.arrays import Array, Mask
+from satvib_common.arrays import Array, Mask, every, some
 from satvib_common.kernels.ordered_dot import dot
 from satvib_common.phases import Phase
 from satvib_common.sequence import Arrival, SequenceTracker
@@ -222,8 +222,7 @@ class IdentifierCore:
             self.regressor.clear()
         finite = np.isfinite(upper)
         self._not_finite = self._not_finite + ~finite
-        if clipped is not False and np.any(clipped):
-            at_end = np.asarray(clipped, dtype=bool)
+        if clipped is not False and some(at_end := np.asarray(clipped, dtype=bool)):
             self._clipped = self._clipped + at_end
             upper = np.where(at_end, np.nan, upper)
         self._unknown = self._unknown + ~np.isfinite(voltage)
@@ -235,7 +234,7 @@ class IdentifierCore:
             bias, upper = bias / self._units.output, upper / self._units.output
             voltage = voltage / self._units.input
         w, target, full = self.regressor.step(upper, voltage, bias)
-        if not full.all():
+        if not every(full):
             self.estimator.interrupt(~full)
             for recent in (self._residual, self._input, self._model_error):
                 recent.clear(~full)
@@ -244,13 +243,13 @@ class IdentifierCore:
             long = dot(w, w) >= self._floor
             self._short = self._short + (active & ~long)
             active = active & long
-        working = bool(active.any())
+        working = some(active)
         if not (working or self.estimator.keeps_signals):
             self._last = self._report(k, np.full(self.shape, np.nan), self._nobody)
             return self._last
         error = self.estimator.update(w, target, active)
         used = self.estimator.used
-        if used.any():
+        if some(used):
             self._input.push(voltage, used)
             self._model_error.push(upper - bias, voltage, used)
             self._residual.push(np.where(used, error, 0.0), used)
@@ -318,7 +317,7 @@ class IdentifierCore:
 
     def _report(self, k: int, error: Array, active: Mask) -> Identification:
         p, estimator, last = self.parameters, self.estimator, self._last
-        if last is not None and not active.any():
+        if last is not None and not some(active):
             return replace(last, sequence=k, prediction_error=error, bias=self._bias)
         theta, covariance = self.regressor.model(estimator.theta, estimator.covariance)
         if self._measured is None or k % self._period == self._period - 1:

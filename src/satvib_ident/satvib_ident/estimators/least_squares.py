@@ -172,6 +172,9 @@ class RecursiveLeastSquares:
     def noise_variance(self) -> Array:
         """Estimated variance of the prediction error, (shape); NaN until there are more samples than parameters."""
         freedom = self.tally[..., Tally.WEIGHT] - self.count
+        if not freedom.ndim:  # one strut: without NumPy's way of choosing
+            residuals = self.tally[Tally.RESIDUALS]
+            return np.asarray(residuals / freedom if freedom > 0.0 else np.nan)
         known = freedom > 0.0
         return np.where(
             known, self.tally[..., Tally.RESIDUALS] / np.where(known, freedom, 1.0), np.nan

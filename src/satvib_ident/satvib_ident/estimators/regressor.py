@@ -9,7 +9,7 @@ pass through; until then the vector is not full and must not be used.
 """
 
 import numpy as np
-from satvib_common.arrays import Array, Mask
+from satvib_common.arrays import Array, Mask, every
 from satvib_common.errors import SatvibError
 
 
@@ -61,7 +61,7 @@ class IirRegressor:
         w[..., self.poles :] = self._u
         known = np.isfinite(w)
         full = np.logical_and.reduce(known, axis=-1)
-        return (w, full) if full.all() else (np.where(known, w, 0.0), full)
+        return (w, full) if every(full) else (np.where(known, w, 0.0), full)
 
     def take(self, y: Array) -> None:
         """Take y(k) (shape, m/s^2), NaN where it is not known."""

@@ -10,7 +10,7 @@ from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
-from satvib_common.arrays import Array, Integers, Mask
+from satvib_common.arrays import Array, Integers, Mask, every
 from satvib_common.kernels.compile import kernel
 
 from satvib_ident.parameters import IdentifierParameters
@@ -75,6 +75,9 @@ def _failed(few, finite, modulus, order, condition, deviation, error, colour, li
         out[0] = Check.PASSED
 
 
+_PASSED = int(Check.PASSED)  # NumPy asks a member for what it is, each time
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Trust:
     """What was measured, arrays of one shape, and which check failed first (`Check`)."""
@@ -94,11 +97,11 @@ class Trust:
     @property
     def converged(self) -> Mask:
         """The model is trusted, (shape)."""
-        return self.failed == Check.PASSED
+        return self.failed == _PASSED
 
     def renewed(self, fresh: 'Trust', mask: Mask) -> 'Trust':
         """Give the items of `fresh` where `mask` (shape) holds, and the present ones elsewhere."""
-        if mask.all():
+        if every(mask):
             return fresh
         names = (f.name for f in fields(self) if f.name != 'parameters')
         merged = {n: np.where(mask, getattr(fresh, n), getattr(self, n)) for n in names}
