@@ -7,6 +7,7 @@ for a number that is another one on another machine. A command that ends with ` 
 blocks of one page are one session, in an empty folder. A page that takes minutes has `<!-- long session -->` in it.
 """
 
+import math
 import os
 import re
 import subprocess
@@ -100,3 +101,17 @@ def test_a_session_says_what_the_page_says(page, session, tmp_path):
         wanted = pattern([line for line in expected if line.strip()])
         plain = ''.join(f'{line}\n' for line in output.splitlines() if line.strip())
         assert re.fullmatch(wanted, plain), f'{page}: {command}\n{output}'
+
+
+def test_the_code_of_the_page_about_tests(start):
+    """Truth: a controller that runs answers the sample, once, with a finite voltage."""
+    (block,) = re.findall(
+        r'^```python\n(.*?)^```', PAGES['docs/testing.md'], re.DOTALL | re.MULTILINE
+    )
+    found = {}
+    exec(compile(block, 'docs/testing.md', 'exec'), found)
+    start(
+        'satvib_control', 'strut_controller', '/strut_1', law='velocity_feedback', control_at_start=True,
+        lockstep=False,
+    )  # fmt: skip
+    assert math.isfinite(found['voltage_of_a_sample']())
