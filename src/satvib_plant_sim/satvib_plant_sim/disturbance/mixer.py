@@ -41,7 +41,7 @@ class Mixer:
                 channel = int(part.target == 'payload')
                 groups[order, type(part), channel].append((trial, part))
         clock = Clock(fine_period)
-        self._banks: list[tuple[NDArray[np.intp], int, Bank]] = []
+        self._banks: list[tuple[NDArray[np.intp] | slice, int, Bank]] = []
         for (order, kind, channel), members in sorted(groups.items(), key=lambda g: g[0][0]):
             trials = [trial for trial, _ in members]
             bank = kind.bank(
@@ -50,7 +50,9 @@ class Mixer:
                 clock,
                 [_unity if channel else transfers[trial] for trial in trials],
             )
-            self._banks.append((np.array(trials, dtype=np.intp), channel, bank))
+            everywhere = trials == list(range(len(disturbances)))
+            where = slice(None) if everywhere else np.array(trials, dtype=np.intp)
+            self._banks.append((where, channel, bank))
         self.channels = 1 + any(channel for _, channel, _ in self._banks)
         self._n_fine = n_fine
         self._grid = np.arange(n_fine + 1, dtype=float)

@@ -22,6 +22,7 @@ from rclpy.serialization import deserialize_message
 
 _ENCAPSULATION = b'\x00\x01\x00\x00'
 _LENGTH = struct.Struct('<I')
+_FRAME = 12  # place of the length of frame_id
 _TEXT = 'string'
 # of ROS: of the module struct
 _NUMBERS = {
@@ -58,15 +59,25 @@ class Wire:
         self._kind, self._types, self._headed = kind, [what for _, what in fields], headed
         paths = [path for path, _ in fields]
         values: Callable[[Any], Any] = attrgetter(*paths)
-        self._values = values if len(paths) > 1 else lambda message: (values(message),)
+        self._values: Callable[[Any], Any] = (
+            values if len(paths) > 1 else lambda message: (values(message),)
+        )
         self._texts = [i for i, what in enumerate(self._types) if what == _TEXT]
+        # a header and numbers: one text, and that in its place
+        self._plain = headed and len(self._texts) == 1
         names = ['header', *paths[3:]] if headed else paths
         self._record = namedtuple(kind.__name__, names)  # type: ignore[misc]
         self._layouts: dict[tuple[int, ...], struct.Struct] = {}
 
     def pack(self, message: Any) -> bytes:
         """Give the bytes of a message, or of anything with the same attributes."""
-        values = list(self._values(message))
+        found = self._values(message)
+        if self._plain:
+            sec, nanosec, frame, *rest = found
+            text = frame.encode()
+            layout = self._layouts.get((len(text) + 1,)) or self._layout([len(text) + 1])
+            return layout.pack(_ENCAPSULATION, sec, nanosec, len(text) + 1, text, *rest)
+        values = list(found)
         lengths = []
         for i in reversed(self._texts):
             values[i] = text = values[i].encode()
@@ -79,6 +90,11 @@ class Wire:
         """Give a record with the fields of the message, as they are named there."""
         if data[1] != _ENCAPSULATION[1]:  # from a machine that is not little endian
             return deserialize_message(data, self._kind)
+        if self._plain:
+            (length,) = _LENGTH.unpack_from(data, _FRAME)
+            layout = self._layouts.get((length,)) or self._layout([length])
+            _, sec, nanosec, _, frame, *rest = layout.unpack_from(data)
+            return self._record(Header(Stamp(sec, nanosec), frame.decode()), *rest)
         lengths: list[int] = []
         for _ in self._texts:
             at = self._layout(lengths).size
