@@ -3,11 +3,15 @@
 """`satvib watch` over real DDS, HTTP and WebSocket, with nodes that others have started."""
 
 import os
+import re
 import signal
+import subprocess
+import sys
 import urllib.request
 
 import pytest
 from graphs import RATE, begin
+from watching import LIMIT, Client, wait_for
 
 
 def test_stop_on_the_page_is_zero_volts_on_the_topic(start, schedule, probe, client):
@@ -136,3 +140,33 @@ def test_it_ends_at_a_signal_and_says_so_to_its_pages(watch, client, number):
     assert os.getpriority(os.PRIO_PROCESS, watch.popen.pid) >= 10
     assert watch.end(number) == 0
     client.wait(lambda: client.closed)
+
+
+def test_a_run_with_its_page(domain, tmp_path):  # noqa: ARG001 - the domain is in the environment
+    """`satvib run --watch`: the page shows the run, which is complete. Truth: the page's own first message."""
+    command = [
+        sys.executable,
+        '-m',
+        'satvib_bringup.cli.main',
+        'run',
+        'quick_3dof',
+        '--realtime',
+        '--watch',
+    ]
+    log = tmp_path / 'run.log'
+    with log.open('wb') as sink:
+        run = subprocess.Popen(
+            [*command, '--folder', str(tmp_path / 'run')], stdout=sink, stderr=subprocess.STDOUT
+        )
+    try:
+        address = wait_for(lambda: re.search(r'http://127\.0\.0\.1:\d+', log.read_text()))[0]
+        client = Client(address)
+        client.wait(lambda: any(s['phase'] == 'CONTROL' for s in client.struts.values()))
+        client.wait(lambda: client.newest['scenario'] == 'quick_3dof')
+        run.wait(LIMIT)
+        client.wait(lambda: client.closed)
+        client.close()
+    finally:
+        run.kill()
+        run.wait()
+    assert (tmp_path / 'run' / 'report.html').is_file(), log.read_text()

@@ -18,6 +18,15 @@ from tornado.websocket import WebSocketClientConnection, websocket_connect
 LIMIT = 60.0  # s
 
 
+def wait_for(condition: Callable[[], Any], limit: float = LIMIT) -> Any:
+    """Wait until a condition holds; gives what it gave."""
+    deadline = time.monotonic() + limit
+    while not (value := condition()):
+        assert time.monotonic() < deadline, 'waited in vain'
+        time.sleep(0.02)
+    return value
+
+
 class Watch:
     """`satvib watch`, as a person starts it."""
 
@@ -102,11 +111,10 @@ class Client:
 
     def wait(self, condition: Callable[[], Any], limit: float = LIMIT) -> Any:
         """Wait until a condition holds; gives what it gave."""
-        deadline = time.monotonic() + limit
-        while not (value := condition()):
-            assert time.monotonic() < deadline, f'waited in vain; said: {self.lines}'
-            time.sleep(0.02)
-        return value
+        try:
+            return wait_for(condition, limit)
+        except AssertionError:
+            raise AssertionError(f'waited in vain; said: {self.lines}') from None
 
     def said(self, *words: str) -> str:
         """The first line with all these words, waited for."""

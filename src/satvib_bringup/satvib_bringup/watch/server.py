@@ -7,7 +7,9 @@ that leads here, "DNS rebinding"), and so is a WebSocket that a page of another 
 WebSocket only, so no form and no link of another page can give one. Nothing that comes in is ever evaluated.
 """
 
+import contextlib
 import json
+import socket
 from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,7 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application, RequestHandler, StaticFileHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
-HOST = '127.0.0.1'
+HOST, PORT = '127.0.0.1', 8421
 PAGE = Path(__file__).resolve().parent / 'page'
 _LARGEST = 64 * 1024  # bytes of a message from a page
 _OWN_NAMES = r'(127\.0\.0\.1|localhost)'
@@ -112,24 +114,18 @@ class Pages:
         await self.server.close_all_connections()
 
 
-def serve(port: int, command: Command, whole: Callable[[], Mapping[str, Any]]) -> Pages:
+def serve(port: int | None, command: Command, whole: Callable[[], Mapping[str, Any]]) -> Pages:
     """Begin to serve; inside a running event loop.
 
     Args:
-        port: 0: any that is free.
+        port: 0: any that is free; None: the usual one, or another when that is in use.
         command: called with a request and the page that it came from.
         whole: gives the first message to a page.
 
     Raises:
         SatvibError: the port is in use or not allowed.
     """
-    try:
-        sockets = bind_sockets(port, HOST)
-    except (OSError, OverflowError) as error:
-        why = getattr(error, 'strerror', None) or error
-        raise SatvibError(
-            f'port {port}: cannot be used: {why}; name another with --port, 0 takes one that is free'
-        ) from None
+    sockets = _bound(port)
     application = Application(
         websocket_max_message_size=_LARGEST, websocket_ping_interval=20, log_function=_say_nothing
     )
@@ -146,6 +142,19 @@ def serve(port: int, command: Command, whole: Callable[[], Mapping[str, Any]]) -
     )
     server.add_sockets(sockets)
     return pages
+
+
+def _bound(port: int | None) -> list[socket.socket]:
+    if port is None:
+        with contextlib.suppress(OSError):
+            return bind_sockets(PORT, HOST)
+    try:
+        return bind_sockets(port or 0, HOST)
+    except (OSError, OverflowError) as error:
+        why = getattr(error, 'strerror', None) or error
+        raise SatvibError(
+            f'port {port}: cannot be used: {why}; name another with --port, 0 takes one that is free'
+        ) from None
 
 
 def _say_nothing(_: RequestHandler) -> None:

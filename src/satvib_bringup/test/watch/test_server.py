@@ -177,6 +177,20 @@ def test_a_port_that_is_taken_is_one_line():
             asyncio.run(go())
 
 
+def test_the_usual_port_is_left_to_who_has_it():
+    """Truth: the operating system. Two servers without a wanted port have two addresses."""
+
+    async def go() -> None:
+        first, second = serve(None, None, dict), serve(None, None, dict)
+        try:
+            assert first.port != second.port
+        finally:
+            await first.close()
+            await second.close()
+
+    asyncio.run(go())
+
+
 def test_the_library_of_the_page_is_the_published_one():
     """Truth: the hash of the file in the package uplot 1.6.32 of the npm registry."""
     found = hashlib.sha256((PAGE / 'vendor' / 'uPlot.iife.min.js').read_bytes()).hexdigest()

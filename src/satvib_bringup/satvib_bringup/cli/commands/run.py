@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`satvib run` and `satvib demo`: a scenario as a live ROS 2 graph, recorded and reported."""
 
+import contextlib
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -30,6 +31,10 @@ Composition = Annotated[
         metavar='separate|strut|single',
     ),
 ]
+Watch = Annotated[
+    bool,
+    typer.Option('--watch', help='Show the run as a web page on this machine while it goes on.'),
+]
 
 
 def demo(
@@ -52,6 +57,7 @@ def run(
     folder: Folder = None,
     realtime: Realtime = False,
     composition: Composition = '',
+    watch: Watch = False,
 ) -> None:
     """Run a scenario as a live graph of processes, record it to a bag, and report.
 
@@ -59,7 +65,7 @@ def run(
 
     Exit code 3: the run is no result (no trusted model, no voltage under control, more than 1 % late).
     """
-    _run(scenario, settings, folder, realtime, composition)
+    _run(scenario, settings, folder, realtime, composition, watch=watch)
 
 
 def _run(
@@ -69,6 +75,7 @@ def _run(
     realtime: bool,
     composition: str,
     beside: bool = False,
+    watch: bool = False,
 ) -> None:
     from satvib_experiment.recording.bag_reader import read_recording
     from satvib_experiment.recording.run_folder import free_run_folder, write_scenario
@@ -94,7 +101,12 @@ def _run(
 
     if line := warning(set_transport()):
         console.print(line, style='yellow')
-    with ProgressView(console, scenario.duration, f'run {scenario.name}') as view:
+    with contextlib.ExitStack() as page:
+        if watch:
+            from satvib_bringup.watch.live.beside import page_beside
+
+            console.print(f'watch it: {page.enter_context(page_beside())}')
+        view = page.enter_context(ProgressView(console, scenario.duration, f'run {scenario.name}'))
         outcome = run_experiment(
             scenario,
             target,

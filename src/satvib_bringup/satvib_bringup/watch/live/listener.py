@@ -68,15 +68,19 @@ class GraphListener:
         """Hand over what has come since the last call."""
         for strut in self._struts.values():
             strut.collect()
+        if any(s.has_progress and not s.hears_samples for s in self._struts.values()):
+            self.look()
 
     def look(self) -> None:
-        """Find struts and the nodes that serve them; once a second."""
+        """Find struts and the nodes that serve them; once a second, and when a run has begun."""
         now = time.monotonic()
-        for topic, kinds in self.node.get_topic_names_and_types():
+        topics = self.node.get_topic_names_and_types()
+        for topic, kinds in topics:
             name, _, last = topic.strip('/').rpartition('/')
             if ACCELERATION in kinds and last == 'acceleration' and name:
                 self._look_at(name, now)
-            elif SCHEDULE in kinds:
+        for topic, kinds in topics:
+            if SCHEDULE in kinds:
                 self._look_at_schedule(topic)
 
     def close(self) -> None:

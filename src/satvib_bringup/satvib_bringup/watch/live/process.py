@@ -29,11 +29,11 @@ _TAKE, _SEND, _LOOK = 0.05, 0.2, 1.0  # s
 _ANSWER = 0.01  # s, between two looks while somebody waits for a node's answer
 
 
-def watch(port: int, folder: Path, ready: Callable[[str], None]) -> None:
+def watch(port: int | None, folder: Path, ready: Callable[[str], None]) -> None:
     """Serve the page until SIGINT or SIGTERM.
 
     Args:
-        port: 0: any that is free.
+        port: 0: any that is free; None: the usual one, or another when that is in use.
         folder: under which recordings are kept.
         ready: called with the address of the page.
 
@@ -51,7 +51,7 @@ def watch(port: int, folder: Path, ready: Callable[[str], None]) -> None:
 
 
 async def _serve(
-    port: int,
+    port: int | None,
     folder: Path,
     graph: WatchedGraph,
     listener: GraphListener,

@@ -10,16 +10,20 @@ from typing import Annotated
 import typer
 from satvib_common.errors import SatvibError
 
-PORT = 8421
-
 Port = Annotated[
-    int,
-    typer.Option('--port', help='Port of this machine; 0: any that is free.', min=0, max=65535),
+    int | None,
+    typer.Option(
+        '--port',
+        help='Port of this machine; 0: any that is free. Without it: 8421, or another when that is in use.',
+        min=0,
+        max=65535,
+        show_default=False,
+    ),
 ]
 
 
 def watch(
-    port: Port = PORT,
+    port: Port = None,
     browser: Annotated[
         bool, typer.Option('--browser/--no-browser', help='Open the page in a browser.')
     ] = False,
