@@ -118,9 +118,11 @@ class Page:
             time.sleep(0.05)
         return value
 
-    def screenshot(self, path: Path, whole: bool = False) -> None:
-        """Write what the page shows to a PNG file."""
-        options: dict[str, Any] = {'format': 'png', 'captureBeyondViewport': whole}
+    def screenshot(self, path: Path, **clip: float) -> None:
+        """Write what the page shows to a PNG file; clip: x, y, width, height of a part."""
+        options: dict[str, Any] = {'format': 'png'}
+        if clip:
+            options['clip'] = clip | {'scale': 1}
         data = self.ask('Page.captureScreenshot', **options)['data']
         path.write_bytes(base64.b64decode(data))
 

@@ -50,6 +50,7 @@ export class Detail {
 
     const gains = this.#plot('gains', 'gains', (place) => histories(place, HEIGHT, GAINS, { dashed: ['ki_min', 'ki_max'] }));
     gains.setData(columns(strut.gains, 6));
+    document.getElementById('no-gains').hidden = strut.gains.some((row) => row.slice(1, 4).some((v) => v !== null));
 
     const { frequency = [], upper = [], lower = [], before = [] } = news.spectra;
     const shown = ['lower plate', 'before control', 'upper plate now'];

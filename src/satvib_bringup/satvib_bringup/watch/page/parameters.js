@@ -50,7 +50,8 @@ export class Parameters {
   }
 
   #show() {
-    const shown = this.found.filter((parameter) => this.fixed.checked || !parameter.fixed);
+    // what has no description is ROS's own
+    const shown = this.found.filter((parameter) => parameter.text && (this.fixed.checked || !parameter.fixed));
     this.place.replaceChildren(...shown.map((parameter) => this.#row(parameter)));
   }
 
@@ -59,10 +60,11 @@ export class Parameters {
     row.className = 'parameter';
     row.dataset.parameter = parameter.name;
     const limits = [];
-    if (parameter.low !== null) limits.push(`from ${number(parameter.low, 4)}`);
-    if (parameter.high !== null) limits.push(`to ${number(parameter.high, 4)}`);
-    const rule = parameter.rule && !parameter.rule.startsWith('one of') ? `, ${parameter.rule}` : '';
-    const text = `${parameter.text}${limits.length ? ` (${limits.join(' ')}${rule})` : rule}`;
+    const { rule } = parameter;
+    if (parameter.low !== null && !rule.includes('above')) limits.push(`from ${number(parameter.low, 4)}`);
+    if (rule && !rule.startsWith('one of')) limits.push(rule.replaceAll(';', ','));
+    if (parameter.high !== null && !rule.includes('below')) limits.push(`to ${number(parameter.high, 4)}`);
+    const text = `${parameter.text}${limits.length ? ` (${limits.join(', ')})` : ''}`;
     const [field, ...more] = this.#fields(parameter);
     row.append(cell(parameter.name, 'name'), field, cell(text, 'text'), ...more);
     return row;

@@ -27,7 +27,7 @@ function make(place, height, series, bands, scales, legend, unit = 's') {
   const options = {
     width: Math.max(place.clientWidth, 200), height, series: [{ label: unit, value }, ...series], bands, scales,
     legend: { show: legend }, cursor: { show: legend, y: false, points: { show: false }, drag: { x: false } },
-    axes: [{ ...AXIS, size: 26 }, { ...AXIS, size: 58, values: (u, v) => v.map((x) => number(x)) }],
+    axes: [{ ...AXIS, size: 26 }, { ...AXIS, size: 58, space: 24, values: (u, v) => v.map((x) => number(x)) }],
     padding: [8, 8, 0, 0],
   };
   const plot = new uPlot(options, [[], ...series.map(() => [])], place);

@@ -33,7 +33,7 @@ export class Strut {
     top.append(this.parts.attenuation = element('span', '', 'attenuation'));
     this.parts.attenuation.title = 'Attenuation so far: running RMS now, against the last STANDBY; negative is better';
     this.card.append(top, this.parts.words = element('p', '', 'words'));
-    this.acceleration = this.#plot('Acceleration, m/s²', ['upper', 'lower'], 130, ['#0b6fb8', '#b08a3c'], 'levels');
+    this.acceleration = this.#plot('Acceleration, m/s²', ['upper', 'lower'], 130, ['#b08a3c', '#0b6fb8'], 'levels');
     this.voltage = this.#plot('Voltage, V', ['asked', 'applied'], 105, ['#7a3fa0', '#1d8a5a'], 'volts');
     const own = element('div', '', 'own');
     for (const [what, text] of [['stop', 'Stop'], ['reset', 'Reset']]) {
@@ -92,7 +92,8 @@ export class Strut {
   }
 
   draw() {
-    for (const [plot, columns] of [[this.acceleration, [UPPER, LOWER]], [this.voltage, [ASKED, APPLIED]]]) {
+    // the later one is drawn on top
+    for (const [plot, columns] of [[this.acceleration, [LOWER, UPPER]], [this.voltage, [ASKED, APPLIED]]]) {
       plot.made ??= envelopes(plot.place, plot.height, plot.colours);
       plot.made.setData([this.times, ...columns.flatMap((c) => [this.low[c], this.high[c]])]);
     }
@@ -112,7 +113,7 @@ export class Strut {
     if (trusted === false && model.reason) words.push(`model: ${model.reason}`);
     if (state.saturated) words.push('the guard limits the voltage');
     if ((news.nodes.voltage ?? []).length > 1) words.push(`${news.nodes.voltage.length} controllers on one strut`);
-    parts.words.textContent = words.join('; ');
+    parts.words.textContent = words.join('; ') || (state.law ? 'all is well' : '');
     parts.words.className = state.fault ? 'words bad' : 'words';
     parts.levels.textContent = `RMS ${number(news.level)}`;
     parts.volts.textContent = `law ${number(state.output)}, let through ${number(this.#newest(ASKED))}`;
