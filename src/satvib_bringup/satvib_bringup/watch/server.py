@@ -10,6 +10,7 @@ WebSocket only, so no form and no link of another page can give one. Nothing tha
 import contextlib
 import json
 import socket
+from asyncio import Future
 from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -57,6 +58,8 @@ class LivePage(WebSocketHandler):
     ) -> None:
         """Take what every page needs."""
         self._pages, self._command, self._whole = pages, command, whole
+        self._sending: Future[None] | None = None
+        self._behind = False
 
     def open(self, *_: str, **__: str) -> None:
         """Send what is known so far."""
@@ -79,13 +82,36 @@ class LivePage(WebSocketHandler):
             return
         await self._command(request, self)
 
-    def tell(self, message: Mapping[str, Any] | str) -> None:
+    def tell(self, message: Mapping[str, Any]) -> None:
         """Send to this page, unless it has gone meanwhile."""
-        text = message if isinstance(message, str) else json.dumps(message, allow_nan=False)
+        self._send(json.dumps(message, allow_nan=False))
+
+    def tell_news(self, text: str) -> None:
+        """Send what is new; a page that has not taken the last news yet gets everything when it has.
+
+        So a browser that is too slow, or has been put to sleep, never makes this process keep its messages.
+        """
+        if self._sending is not None and not self._sending.done():
+            self._behind = True
+        elif self._behind:
+            self._behind = False
+            self.tell(self._whole())
+        else:
+            self._send(text)
+
+    def _send(self, text: str) -> None:
         try:
-            self.write_message(text)
+            self._sending = self.write_message(text)
         except WebSocketClosedError:
             self._pages.open.discard(self)
+            return
+        self._sending.add_done_callback(_forget)
+
+
+def _forget(sent: 'Future[None]') -> None:
+    """A page that has gone is forgotten when its connection closes."""
+    if not sent.cancelled():
+        sent.exception()
 
 
 class Pages:
@@ -104,7 +130,7 @@ class Pages:
         """Send to all of them."""
         text = json.dumps(message, allow_nan=False)
         for page in list(self.open):
-            page.tell(text)
+            page.tell_news(text)
 
     async def close(self) -> None:
         """Close all pages and end the server."""

@@ -3,7 +3,7 @@
 """The ring of samples behind the page."""
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from satvib_bringup.watch.samples import Column, SampleRing
 
@@ -62,6 +62,7 @@ def test_a_late_voltage_is_put_where_it_belongs_and_reported():
     assert np.isnan(np.delete(ring.newest(Column.ASKED, 50), 17)).all()
 
 
+@settings(deadline=None)
 @given(st.lists(st.integers(1, 40), min_size=1, max_size=30), st.integers(8, 64))
 def test_any_portions_give_the_same_samples(portions, capacity):
     """Truth: the same samples put in one by one; no tolerance."""

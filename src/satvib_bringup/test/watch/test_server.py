@@ -163,6 +163,33 @@ def test_what_is_no_command_ends_that_page_alone(text):
     assert with_server(talk) == [{'do': 'reset'}]
 
 
+def test_a_page_that_takes_nothing_costs_no_memory_and_gets_everything_later():
+    """Truth: 200 MB of news for a page that does not read; what waits stays below 8 MB, and the next is the whole."""
+
+    async def talk(pages: Pages, _: Any) -> None:
+        reader, writer = await asyncio.open_connection('127.0.0.1', pages.port, limit=1024)
+        lines = ['GET /live HTTP/1.1', f'Host: 127.0.0.1:{pages.port}', 'Upgrade: websocket', 'Connection: Upgrade',
+                 'Sec-WebSocket-Version: 13', 'Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==', '', '']  # fmt: skip
+        writer.write('\r\n'.join(lines).encode())
+        await reader.readuntil(b'\r\n\r\n')
+        assert b'"whole"' in await reader.readuntil(b'}')
+        (page,) = pages.open
+        portion = {'kind': 'news', 'text': 'x' * 1_000_000}
+        most = 0
+        for _ in range(200):
+            pages.tell(portion)
+            await asyncio.sleep(0)
+            most = max(most, len(page.ws_connection.stream._write_buffer))
+        assert most < 8_000_000
+        taken = b''
+        while b'"whole"' not in taken:
+            taken = (taken + await asyncio.wait_for(reader.read(65536), 30.0))[-200_000:]
+            pages.tell({'kind': 'news'})
+        writer.close()
+
+    with_server(talk)
+
+
 def test_a_port_that_is_taken_is_one_line():
     """Truth: a socket that listens there."""
     with socket.create_server(('127.0.0.1', 0)) as taken:
