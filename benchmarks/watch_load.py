@@ -10,7 +10,9 @@ the page's server, latency and lateness of the voltages of both kinds of stretch
 """
 
 import argparse
+import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -49,7 +51,7 @@ class Page:
         else:
             command = [sys.executable, '-c', SOCKET, f'ws{address.removeprefix("http")}/live']
         self.client = subprocess.Popen(
-            command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
         )
         self.begin: tuple[float, float, float] | None = None
 
@@ -68,8 +70,8 @@ class Page:
 
     def close(self) -> None:
         """End both."""
-        for process in (self.client, self.server):
-            process.terminate()
+        os.killpg(self.client.pid, signal.SIGKILL)  # a browser is a group of processes
+        self.server.terminate()
         for process in (self.client, self.server):
             process.wait(30)
 

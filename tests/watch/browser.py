@@ -4,8 +4,11 @@
 
 import asyncio
 import base64
+import contextlib
 import json
+import os
 import shutil
+import signal
 import subprocess
 import threading
 import time
@@ -16,7 +19,7 @@ from typing import Any
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
 PROGRAMS = ('chromium-headless-shell', 'chromium', 'chromium-browser', 'google-chrome')
-LIMIT = 60.0  # s
+LIMIT = float(os.environ.get('SATVIB_TEST_LIMIT', '60'))  # s
 
 
 def program() -> str | None:
@@ -32,7 +35,10 @@ class Browser:
         command += ['--remote-debugging-port=0', f'--user-data-dir={folder}', '--no-first-run']
         command += ['--disable-dev-shm-usage', 'about:blank']
         self.log = (folder.parent / 'browser.log').open('wb')
-        self.popen = subprocess.Popen(command, stdout=self.log, stderr=subprocess.STDOUT)
+        # the program is a script that starts the browser: both end as one group
+        self.popen = subprocess.Popen(
+            command, stdout=self.log, stderr=subprocess.STDOUT, start_new_session=True
+        )
         said = folder / 'DevToolsActivePort'
         deadline = time.monotonic() + LIMIT
         while not (said.is_file() and len(said.read_text().split()) == 2):
@@ -60,12 +66,9 @@ class Browser:
 
     def close(self) -> None:
         """End it."""
-        self.popen.terminate()
-        try:
-            self.popen.wait(10)
-        except subprocess.TimeoutExpired:
-            self.popen.kill()
-            self.popen.wait()
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.popen.pid, signal.SIGKILL)
+        self.popen.wait()
         self.loop.call_soon_threadsafe(self.loop.stop)
         self.thread.join(10)
         self.loop.close()

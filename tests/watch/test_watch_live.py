@@ -14,6 +14,23 @@ from graphs import RATE, begin
 from watching import LIMIT, Client, wait_for
 
 
+@pytest.mark.parametrize('frame', ['', 'strut_1', 'a', 'ab', 'abc', 'abcd', 'x' * 77])
+def test_bytes_of_a_sample_are_read_where_they_are(frame):
+    """Truth: the middleware's own serialization, for every alignment of the frame's name."""
+    from rclpy.serialization import serialize_message
+    from satvib_experiment.recording.cdr import acceleration_figures, sequence_and_figures
+
+    from satvib_msgs.msg import StrutAcceleration, VcaVoltage
+
+    sample = StrutAcceleration(
+        sequence=7, sample_period=0.01, upper=1.5, lower=-2.5, upper_clipped=True, applied=3.25, applied_state=5
+    )  # fmt: skip
+    sample.header.frame_id = frame
+    assert acceleration_figures(serialize_message(sample)) == (7, 0.01, 1.5, -2.5, 3.25, 5)
+    voltage = VcaVoltage(header=sample.header, sequence=8, voltage=-9.5)
+    assert sequence_and_figures(serialize_message(voltage), 1) == (8, -9.5)
+
+
 def test_stop_on_the_page_is_zero_volts_on_the_topic(start, schedule, probe, client):
     """Truth: the messages on /strut_i/voltage that another node of the domain hears."""
     from satvib_msgs.msg import VcaVoltage
@@ -23,6 +40,8 @@ def test_stop_on_the_page_is_zero_volts_on_the_topic(start, schedule, probe, cli
     schedule()
     probe.wait(lambda: all(v and v[-1].voltage != 0.0 for v in heard))
     client.wait(lambda: len(client.struts) == 3 and all(s['state'] for s in client.struts.values()))
+    # what the coils got is shown beside what was asked for
+    client.wait(lambda: any(client.struts['strut_1']['blocks']['high'][3]))
     client.send(do='stop')
     probe.wait(lambda: all(v[-1].voltage == 0.0 and v[-1].fault for v in heard))
     client.said('/strut_1/strut_controller stop', '0 V')

@@ -4,6 +4,7 @@
 
 import asyncio
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from typing import Any
 
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
-LIMIT = 60.0  # s
+LIMIT = float(os.environ.get('SATVIB_TEST_LIMIT', '60'))  # s
 
 
 def wait_for(condition: Callable[[], Any], limit: float = LIMIT) -> Any:

@@ -10,6 +10,7 @@ import numpy as np
 from satvib_common.levels import mean_of_known
 from satvib_common.phases import Phase
 from satvib_common.sequence import Arrival, SequenceTracker
+from satvib_common.struts.applied import TEXTS, Applied
 from satvib_experiment.analysis.levels import spectrum
 from satvib_experiment.analysis.running_attenuation import RunningAttenuation
 
@@ -23,6 +24,10 @@ _SPECTRUM = 8.0  # s, length of the stretch behind a spectrum
 _LATE = 0.05  # s, for the voltage of a sample to arrive
 _HISTORY = 300  # looks at gains and parameters that are kept
 
+# what is outside of these is no sample: a page must not end because of a message that is out of order
+_MOST, _PERIODS = 2**53, (1e-5, 10.0)
+_PHASES = {int(phase): phase for phase in Phase}
+_TEXTS = {int(state): text for state, text in TEXTS.items()}
 GAINS = ('kp', 'ki', 'kd', 'ki_min', 'ki_max')
 PLATES = slice(Column.UPPER, Column.LOWER + 1)
 
@@ -36,6 +41,7 @@ class WatchedStrut:
     Attributes:
         state: newest figures of the controller by name.
         model: newest figures of the identified model by name.
+        applied: what became of the newest voltage, one of `Applied`.
         nodes: by what they write ('acceleration', 'voltage', 'identified_model'), full names of nodes.
     """
 
@@ -53,6 +59,7 @@ class WatchedStrut:
         self.state: dict[str, Any] = {}
         self.model: dict[str, Any] = {}
         self.level = float('nan')
+        self.applied = int(Applied.UNKNOWN)
         self._tracker = SequenceTracker()
         self._ring: SampleRing | None = None
         self._running: RunningAttenuation | None = None
@@ -65,6 +72,7 @@ class WatchedStrut:
 
     def take_accelerations(self, rows: Sequence[tuple[int, float, float, float]]) -> None:
         """Take samples: sequence, sample period, upper, lower; from sample 0 on it is another run."""
+        rows = [row for row in rows if row[0] < _MOST and _PERIODS[0] <= row[1] <= _PERIODS[1]]
         begin = 0
         for i, row in enumerate(rows):
             if self._tracker.classify(row[0]) is Arrival.RESTART:
@@ -90,7 +98,7 @@ class WatchedStrut:
 
     def take_progress(self, sequence: int, phase: int, level: float) -> None:
         """Take how far the controller is: phase and running RMS of the upper acceleration in m/s^2."""
-        self.phase, self.level = Phase(phase), level
+        self.phase, self.level = _phase(phase), level
         if self.period and self._running is None:
             # the schedule does not say when the disturbance begins: the last STANDBY counts
             self._running = RunningAttenuation(0.0, self.period, 1)
@@ -100,7 +108,7 @@ class WatchedStrut:
     def take_state(self, figures: Mapping[str, Any]) -> None:
         """Take what the controller says: the fields of a ControllerState."""
         self.state = dict(figures)
-        self.phase = Phase(figures['phase'])
+        self.phase = _phase(figures['phase'])
         if self.period:
             time = figures['sequence'] * self.period
             self._gains.append([time, *(figures[name] for name in GAINS)])
@@ -167,6 +175,7 @@ class WatchedStrut:
             'gains': [[round(t, 4), *short(more)] for t, *more in list(self._gains)[-most:]],
             'theta': [[round(t, 4), *short(more)] for t, *more in list(self._theta)[-most:]],
             'spectra': spectra,
+            'applied': _TEXTS.get(self.applied, ''),
             'nodes': self.nodes,
         }
 
@@ -190,3 +199,7 @@ class WatchedStrut:
         for name, values in (('low', low), ('high', high)):
             shown[name] = [short(column) for column in values]
         return shown
+
+
+def _phase(number: int) -> Phase | None:
+    return _PHASES.get(number)

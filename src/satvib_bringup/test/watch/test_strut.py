@@ -11,6 +11,7 @@ from satvib_bringup.watch.graph import WatchedGraph
 from satvib_bringup.watch.samples import Column
 from satvib_bringup.watch.strut import BLOCKS, WatchedStrut
 from satvib_common.phases import Phase
+from satvib_common.struts.applied import TEXTS, Applied
 
 PERIOD = 0.005  # s
 STATE = {
@@ -122,6 +123,44 @@ def test_a_message_for_the_page_is_json_without_nan():
     graph.look()
     for message in (graph.news(), graph.whole()):
         assert json.loads(json.dumps(message, allow_nan=False)) == message
+
+
+def test_what_the_coil_got_and_why_is_shown():
+    """Truth: the text of the state in `satvib_common.struts.applied`."""
+    strut = WatchedStrut('strut_1')
+    strut.take_accelerations(tone(0, 400))
+    strut.take_voltages(Column.ASKED, [(k, 2.0) for k in range(400)])
+    strut.take_voltages(Column.APPLIED, [(k, 0.0) for k in range(400)])
+    strut.applied = int(Applied.SILENT)
+    found = strut.news()
+    assert found['applied'] == TEXTS[Applied.SILENT]
+    assert found['blocks']['high'][Column.ASKED][50] == 2.0
+    assert found['blocks']['high'][Column.APPLIED][50] == 0.0
+
+
+def test_messages_that_are_out_of_order_do_not_end_the_page():
+    """Truth: samples that are sound are shown; what no enum and no period knows is not."""
+    strut = WatchedStrut('strut_1')
+    for row in (
+        (2**63, PERIOD, 1.0, 1.0),
+        (3, 0.0, 1.0, 1.0),
+        (4, math.nan, 1.0, 1.0),
+        (5, 1e-12, 1.0, 1.0),
+    ):
+        strut.take_accelerations([row])
+    assert strut.news()['period'] == 0.0
+    strut.take_progress(1, 99, math.nan)
+    strut.take_state(STATE | {'phase': 200})
+    strut.take_model(
+        {'sequence': 2**63, 'sample_period': 0.0, 'a': [], 'b': [], 'standard_deviation': [1.0]}
+    )
+    strut.applied = 77
+    strut.take_accelerations(tone(0, 400))
+    found = strut.news()
+    json.dumps(found, allow_nan=False)
+    assert found['phase'] == ''
+    assert found['applied'] == ''
+    assert found['blocks']['last'] > 50
 
 
 def test_half_an_hour_leaves_no_more_behind_than_ten_minutes():

@@ -19,7 +19,7 @@ from rclpy.parameter_client import AsyncParameterClient
 from satvib_common.errors import SatvibError
 from std_srvs.srv import Trigger
 
-_TRIES, _PATIENCE = 3, 2.0  # s for each try
+_TRIES, _PATIENCE = 3, 5.0  # s for each try
 _LOOK = 0.01  # s
 _AT_ONCE = 5  # requests; a service keeps ten
 _KINDS = {

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
-from satvib_experiment.recording.cdr import sequence_and_figures
+from satvib_experiment.recording.cdr import acceleration_figures, sequence_and_figures
 
 from satvib_bringup.watch.samples import Column
 from satvib_bringup.watch.strut import WatchedStrut
@@ -75,12 +75,16 @@ class StrutTopics:
         """Hand over what has come since the last call."""
         strut = self._strut
         if rows := self._many.get('acceleration'):
-            strut.take_accelerations([sequence_and_figures(m, 3) for m in rows])
+            samples = [acceleration_figures(message) for message in rows]
+            strut.take_accelerations([sample[:4] for sample in samples])
+            # a sample says what the coil had before it
+            applied = [(k - 1, volts) for k, *_, volts, state in samples if state and k > 0]
+            strut.take_voltages(Column.APPLIED, applied)
+            strut.applied = samples[-1][-1]
             rows.clear()
-        for topic, column in (('voltage', Column.ASKED), ('applied_voltage', Column.APPLIED)):
-            if rows := self._many.get(topic):
-                strut.take_voltages(column, [sequence_and_figures(m, 1) for m in rows])
-                rows.clear()
+        if rows := self._many.get('voltage'):
+            strut.take_voltages(Column.ASKED, [sequence_and_figures(m, 1) for m in rows])
+            rows.clear()
         newest, self._newest = self._newest, {}
         for topic, (kind, message) in newest.items():
             read = deserialize_message(message, kind)

@@ -110,11 +110,12 @@ export class Strut {
     const words = silent ? ['no samples'] : [];
     if (state.fault) words.push(`FAULT, 0 V latched: ${state.reason || 'no reason given'}`);
     else if (state.reason) words.push(state.reason);
+    if (news.applied && !words.includes(news.applied)) words.push(news.applied);
     if (trusted === false && model.reason) words.push(`model: ${model.reason}`);
     if (state.saturated) words.push('the guard limits the voltage');
     if ((news.nodes.voltage ?? []).length > 1) words.push(`${news.nodes.voltage.length} controllers on one strut`);
     parts.words.textContent = words.join('; ') || (state.law ? 'all is well' : '');
-    parts.words.className = state.fault ? 'words bad' : 'words';
+    parts.words.className = state.fault || news.applied.startsWith('0 V: latched') ? 'words bad' : 'words';
     parts.levels.textContent = `RMS ${number(news.level)}`;
     parts.volts.textContent = `law ${number(state.output)}, let through ${number(this.#newest(ASKED))}`;
     parts.applied.hidden = this.#newest(APPLIED) === null;
