@@ -17,8 +17,8 @@ from satvib_common.ros.qos import wanted
 
 from satvib_bringup.live.graph import Graph
 
-# of /diagnostics: what nodes reported before counts too
-REPORTS = wanted(whole=True, depth=100)
+# of /diagnostics: a node reports again when it finds a new reader
+REPORTS = wanted(whole=False, depth=100)
 _OURS = frozenset({
     'plant_sim', 'strut_controller', 'centralized_controller', 'strut_identifier', 'recorder',
     'daq_bridge', 'supervisor',

@@ -10,7 +10,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 
 from satvib_common.ros.names import strut_of
-from satvib_common.ros.qos import offered
+from satvib_common.ros.qos import volatile
 
 # what a figure that counts a topic's other side begins with
 READERS_OF = 'readers of '
@@ -24,7 +24,7 @@ class Diagnostics:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', offered(100))
+        self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', volatile(100))
         self._status = DiagnosticStatus(
             name=node.get_fully_qualified_name(), hardware_id=strut_of(node.get_namespace())
         )
@@ -53,6 +53,10 @@ class Diagnostics:
         ]
         self._message.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(self._message)
+
+    def readers(self) -> int:
+        """How many read it."""
+        return int(self._publisher.get_subscription_count())
 
     def close(self) -> None:
         """Destroy the publisher after its last message has arrived."""

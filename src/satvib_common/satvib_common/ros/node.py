@@ -109,6 +109,10 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         """Give a complaint (empty when there is none) and figures for people."""
         return '', {}
 
+    def is_at_fault(self) -> bool:
+        """Whether the complaint is a fault: an ERROR on /diagnostics, not a WARN."""
+        return False
+
     def tick(self) -> float:
         """Do what is due by the steady clock; gives how long the loop may wait, in s."""
         return 0.1
@@ -222,8 +226,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
     def interrupt(self) -> None:
         """End the process, asked by a signal: the main loop sees it at the end of its slice.
 
-        A signal's handler runs between two instructions of the main thread, which may hold the lock of the very future
-        that `wake_up` would set.
+        The main thread, which the signal interrupts, may hold the lock of the very future that `wake_up` would set.
         """
         self.ended = True
 
@@ -371,28 +374,26 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
 
     def _report(self) -> None:
         complaint, figures = self.diagnose()
-        self._diagnostics.publish(self.active, complaint, figures | self._connections())
+        figures |= self._connections()
+        self._diagnostics.publish(self.active, complaint, figures, failed=self.is_at_fault())
         tidy_memory()
 
     def _look_around(self) -> None:
         """Report at once when others have been found: a run begins when everybody has."""
         self._looks += 1
-        found = self._connections() if self._looks < _LOOKS else self._found
+        found = self._found
+        if self._looks < _LOOKS:
+            found = self._connections() | {'': self._diagnostics.readers()}
         if found != self._found:
             self._found = found
             self._report()
         elif self._looks == _LOOKS:
             self._looking.cancel()
 
-    def _connections(self) -> dict[str, object]:
+    def _connections(self) -> dict[str, Any]:
         """Count the readers and writers that are connected; the graph lists them before they are."""
-        readers: dict[str, object] = {
-            READERS_OF + w.topic_name: w.get_subscription_count() for w in self._writers
-        }
-        writers: dict[str, object] = {
-            WRITERS_OF + r.topic_name: r.get_publisher_count() for r in self._readers
-        }
-        return readers | writers
+        found = {READERS_OF + w.topic_name: w.get_subscription_count() for w in self._writers}
+        return found | {WRITERS_OF + r.topic_name: r.get_publisher_count() for r in self._readers}
 
     def _settings_changed(self, parameters: P) -> None:
         if self.configured:

@@ -117,11 +117,12 @@ def _declared(node: Node, field: Field[Any], hint: Any) -> Any:
     overrides: dict[str, Parameter] = getattr(node, '_parameter_overrides', {})
     default: Any = kind
     if isinstance(field.default, tuple):
-        # rclpy takes the type from the value, and an empty list has none: leave it unset in ROS
+        # rclpy takes the type from the value, and an empty list has none; without a value rclpy would answer nothing
+        # at all to those who ask for several parameters
         default = list(field.default) or kind
         given = overrides[field.name].value if field.name in overrides else field.default
         if given in ([], ()):
-            overrides.pop(field.name, None)
+            overrides[field.name] = Parameter(field.name, kind, [])
             node.declare_parameter(field.name, kind, describe(field, kind))
             return []
     elif field.default is not MISSING:

@@ -40,6 +40,11 @@ def offered(depth: int = DEPTH, paced: bool = False) -> QoSProfile:
     return _reliable(depth, DurabilityPolicy.TRANSIENT_LOCAL, history)
 
 
+def volatile(depth: int) -> QoSProfile:
+    """What a publisher offers of which only the present counts."""
+    return _reliable(depth, DurabilityPolicy.VOLATILE)
+
+
 def wanted(whole: bool, depth: int = DEPTH) -> QoSProfile:
     """What a reader asks for; `whole`: also what was published before it came."""
     return _reliable(

@@ -17,7 +17,6 @@ from satvib_common.phases import Phase, PhasePlan
 from satvib_common.ros.convert import check_period, fill
 from satvib_common.ros.delivery.wire import blank
 from satvib_common.ros.node import SatvibNode
-from satvib_common.ros.qos import offered
 from satvib_common.ros.schedule_gate import ScheduleGate
 from satvib_common.sequence import Arrival
 
@@ -25,13 +24,12 @@ from satvib_control.core.controller import ControllerCore, ControllerOutput
 from satvib_control.core.parameters import state_every
 from satvib_control.core.reception import received_of
 from satvib_control.core.rehearsal import rehearse
+from satvib_control.nodes.change_log import ChangeLog
 from satvib_control.nodes.state_report import StateReport
 from satvib_control.parameters import ControllerParameters
 from satvib_msgs.msg import (
-    ControllerState,
     Schedule,
     StrutAcceleration,
-    StrutProgress,
     VcaVoltage,
 )
 
@@ -70,15 +68,9 @@ class ControllerNode(SatvibNode[P]):
         self.slowest = 0.0
         self.voltages = [blank(VcaVoltage) for _ in struts]
         self.voltage_out = [self.publish_on(VcaVoltage, f'{name}voltage') for _, name in struts]
-        outs = [
-            (
-                self.publish_on(ControllerState, f'{name}controller_state', spared=True),
-                self.publish_on(StrutProgress, f'{name}progress', offered(1), spared=True),
-            )
-            for _, name in struts
-        ]
-        p = self.parameters
-        self.report = StateReport(self.places, outs, state_every(p))
+        names = [name for _, name in struts]
+        self.report = StateReport(self.publish_on, names, self.places, state_every(self.parameters))
+        self.changes = ChangeLog(self.get_logger(), self.places)
 
     @abstractmethod
     def work(self, plan: PhasePlan) -> None:
@@ -160,6 +152,10 @@ class ControllerNode(SatvibNode[P]):
         }
         return '; '.join(sorted(reasons)), figures
 
+    def is_at_fault(self) -> bool:
+        """Whether 0 V is latched somewhere."""
+        return self.last is not None and bool(self.last.fault.any())
+
     def on_schedule(self, message: Schedule) -> None:
         """Take the schedule, unless it is refused."""
         plan = self.gate.take(message)
@@ -169,9 +165,10 @@ class ControllerNode(SatvibNode[P]):
 
     def run_is_on(self) -> bool:
         """Whether a sample of the plan was answered, and another one is to come."""
-        if self.plan is None or self.last is None:
-            return False
-        return self.plan.end == 0 or self.last.sequence < self.plan.end - 1
+        plan, last = self.plan, self.last
+        return (
+            plan is not None and last is not None and (not plan.end or last.sequence < plan.end - 1)
+        )
 
     def check_period(self, name: str, message: Any) -> None:
         """Refuse a message whose sample period is not that of this node; `name` begins the error."""
@@ -197,3 +194,4 @@ class ControllerNode(SatvibNode[P]):
             self.voltage_out[i].publish(v)
         self.last = output
         self.slowest = max(self.slowest, self.report.publish(output, samples, start))
+        self.changes.see(output, samples)

@@ -4,11 +4,12 @@
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from satvib_common.ros.convert import nanoseconds
 from satvib_common.ros.delivery.wire import blank
+from satvib_common.ros.qos import offered
 
 from satvib_control.core.output import ControllerOutput
 from satvib_msgs.msg import ControllerState, StrutProgress
@@ -22,15 +23,27 @@ class StateReport:
     """The messages of the struts of one controller, refilled.
 
     Args:
+        publish_on: makes a publisher of a kind, for a topic.
+        names: of the struts, as prefixes of their topics.
         places: of the struts in the arrays of the core.
-        outs: for each, the publisher of its state and that of its progress.
         every: samples between two states; a change of phase, fault or reason goes out in any case.
     """
 
     def __init__(
-        self, places: Sequence[Index], outs: Sequence[tuple[Any, Any]], every: int
+        self,
+        publish_on: Callable[..., Any],
+        names: Sequence[str],
+        places: Sequence[Index],
+        every: int,
     ) -> None:
-        self._places, self._outs, self._every = places, outs, every
+        self._places, self._every = places, every
+        self._outs = [
+            (
+                publish_on(ControllerState, f'{name}controller_state', spared=True),
+                publish_on(StrutProgress, f'{name}progress', offered(1), spared=True),
+            )
+            for name in names
+        ]
         self._states = [blank(ControllerState) for _ in places]
         self._progress = blank(StrutProgress)
         self._shown: list[object] = [None] * len(places)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.errors import SatvibError
+from satvib_common.struts.applied import Applied
 
 from satvib_daq_bridge.bridge.bias import SensorBias
 from satvib_daq_bridge.bridge.sensors import Sensors
@@ -23,6 +24,11 @@ from satvib_daq_bridge.guardian import link
 from satvib_daq_bridge.parameters import BridgeParameters
 from satvib_daq_bridge.states import State, StateMachine, Transition
 
+_APPLIED = {
+    State.ACTIVE: Applied.APPLIED,
+    State.ARMED: Applied.WAITING,
+    State.IDLE: Applied.WAITING,
+}  # fmt: skip
 # times the longest silence, in every state but ACTIVE
 _IDLE_PATIENCE = 10.0
 
@@ -36,6 +42,8 @@ class Published:
         time: s of the monotonic clock, when it was taken.
         upper, lower: (struts) m/s^2 without bias; NaN where there is no sensor.
         upper_clipped, lower_clipped: (struts) the sensor stands at an end of its range.
+        applied: (struts) V at the coils when the sample was taken.
+        applied_state: (struts) what became of the voltages that were asked for, an `Applied`.
     """
 
     sequence: int
@@ -44,6 +52,8 @@ class Published:
     lower: Array
     upper_clipped: Mask
     lower_clipped: Mask
+    applied: Array
+    applied_state: Integers
 
 
 class Bridge:
@@ -254,7 +264,21 @@ class Bridge:
             lower=np.append(corrected, math.nan)[self._lower],
             upper_clipped=clipped[:count],
             lower_clipped=np.append(clipped, False)[self._lower],
+            applied=taken.coil,
+            applied_state=self._applied_state(sequence, taken),
         )
+
+    def _applied_state(self, sequence: int, taken: link.Taken) -> Integers:
+        """What became of the voltages (struts) until this sample."""
+        count = len(self.struts)
+        state = _APPLIED.get(self.states.state, Applied.LATCHED)
+        if sequence == 0 and state is Applied.WAITING:
+            state = Applied.APPLIED  # nothing has been asked for
+        states = np.full(count, int(state))
+        if state is Applied.APPLIED and taken.saturated:
+            limited = (taken.saturated >> np.arange(count)) & 1 == 1
+            states = np.where(limited, int(Applied.LIMITED), states)
+        return states
 
     def _watch(self, taken: link.Taken) -> None:
         wrong = self.sensors.watch(taken.volts)

@@ -13,17 +13,21 @@ import time
 from functools import partial
 
 from satvib_common.ros.convert import set_stamp
+from satvib_common.ros.loop.applied_block import AppliedBlocks
+from satvib_common.ros.loop.rivals import too_many_writers
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
 from satvib_common.ros.schedule_gate import ScheduleGate
+from satvib_common.struts.applied import Pace
 
 from satvib_daq_bridge.bridge.bridge import Bridge, Published
 from satvib_daq_bridge.bridge.session import Session
 from satvib_daq_bridge.parameters import BridgeParameters
 from satvib_daq_bridge.states import State, Transition
-from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage
+from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage, VoltageApplied
 
+_BLOCK = 10  # samples
 _LATCHED = {State.FAULT, State.ESTOP}
 
 
@@ -52,7 +56,9 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         self.epoch = time.time_ns() - time.monotonic_ns()
         struts = self.bridge.struts
         self.outs = [self.publish_on(StrutAcceleration, f'{s}/acceleration') for s in struts]
-        self.messages = [StrutAcceleration(sample_period=p.period) for _ in struts]
+        pace = int(Pace.LOCKSTEP if self.bridge.virtual else Pace.CLOCK)
+        self.messages = [StrutAcceleration(sample_period=p.period, pace=pace) for _ in struts]
+        self.applied = AppliedBlocks(struts, VoltageApplied, self.publish_on, _BLOCK)
         for message, name in zip(self.messages, struts, strict=True):
             message.header.frame_id = name
         self.every(0.02, self._serve)
@@ -145,17 +151,20 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
             set_stamp(message.header.stamp, stamp)
             message.sequence = published.sequence
             message.upper, message.lower = float(published.upper[i]), float(published.lower[i])
+            message.applied = float(published.applied[i])
+            message.applied_state = int(published.applied_state[i])
             message.upper_clipped = bool(published.upper_clipped[i])
             message.lower_clipped = bool(published.lower_clipped[i])
             out.publish(message)
+        if published.sequence:
+            before = published.sequence - 1, stamp - round(self.parameters.period * 1e9)
+            why = [self.bridge.states.reason] * len(self.outs)
+            self.applied.add(published.applied, published.applied_state, why, *before)
 
     def _others(self) -> str:
-        """Give a text about other publishers of voltages; empty without one."""
-        for name in self.bridge.struts:
-            count = self.count_publishers(f'{name}/voltage')
-            if count > 1:
-                return f'{count} publishers on {name}/voltage, only one is allowed'
-        return ''
+        """Give a text about two publishers of voltages of one strut; empty without them."""
+        found = (too_many_writers(self, f'{name}/voltage') for name in self.bridge.struts)
+        return next(filter(None, found), '')
 
     def _look_for_others(self) -> None:
         if self.bridge.states.state in {State.ARMED, State.ACTIVE} and (others := self._others()):

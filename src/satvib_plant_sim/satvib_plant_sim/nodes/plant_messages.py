@@ -73,8 +73,7 @@ class PlantOutputs:
         outs = [publish_on(StrutTruth, f'{n}/truth', spared=True) for n in names]
         truths = [StrutTruth(fine_period=plant.fine_period) for _ in names]
         self._truth = TruthBlock(names, truths, outs, block)
-        outs = [publish_on(VoltageApplied, f'{n}/voltage_applied', spared=True) for n in names]
-        self._applied = AppliedBlocks(names, [VoltageApplied() for _ in names], outs, block)
+        self._applied = AppliedBlocks(names, VoltageApplied, publish_on, block)
 
     def sample(self, sample: Sample, stamp: int, commands: Commands) -> None:
         """Publish a sample, with what the coils got before it."""

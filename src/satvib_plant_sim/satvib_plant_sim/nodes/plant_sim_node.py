@@ -90,9 +90,8 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.commands.reset()
         return 'faults are released'
 
-    def changed(self, parameters: PlantParameters) -> None:
+    def changed(self, p: PlantParameters) -> None:
         """Take new times."""
-        p = parameters
         self.commands.apply(p.command_timeout, p.after_silence == 'resume', p.return_time)
 
     def diagnose(self) -> tuple[str, dict[str, object]]:
@@ -100,6 +99,10 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         figures: dict[str, object] = {'sequence': self.k, 'late samples': self.overdue}
         complaint = self.commands.complaint() if self.k >= 0 else 'waiting for the schedule'
         return complaint, figures | self.commands.counts()
+
+    def is_at_fault(self) -> bool:
+        """Whether 0 V is latched somewhere."""
+        return bool(self.commands.fault.any())
 
     def tick(self) -> float:
         """In real time do a sample that is due; gives the time to the next, in s."""

@@ -8,6 +8,7 @@ from satvib_common.door import door
 
 if TYPE_CHECKING:
     from satvib_common.ros.loop.applied_block import AppliedBlocks
+    from satvib_common.ros.loop.rivals import too_many_writers, writers_of
 
-__all__ = ['AppliedBlocks']
+__all__ = ['AppliedBlocks', 'too_many_writers', 'writers_of']
 __getattr__, __dir__ = door(__name__, __file__)

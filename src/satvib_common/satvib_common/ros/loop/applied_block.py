@@ -6,7 +6,7 @@ The nodes of the loop take it from the samples, so nothing is filled in while no
 """
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from satvib_common.ros.convert import set_stamp
@@ -17,15 +17,17 @@ class AppliedBlocks:
 
     Args:
         names: of the struts.
-        messages: a VoltageApplied for each.
-        outputs: their publishers.
+        kind: of the messages, VoltageApplied.
+        publish_on: makes a publisher of a kind, for a topic.
         size: samples of a block.
     """
 
     def __init__(
-        self, names: Sequence[str], messages: Sequence[Any], outputs: Sequence[Any], size: int
+        self, names: Sequence[str], kind: Any, publish_on: Callable[..., Any], size: int
     ) -> None:
-        self._size, self._messages, self._outputs = size, messages, outputs
+        self._size = size
+        self._messages = messages = [kind() for _ in names]
+        self._outputs = [publish_on(kind, f'{n}/voltage_applied', spared=True) for n in names]
         for name, message in zip(names, messages, strict=True):
             message.header.frame_id = name
         self._count = 0

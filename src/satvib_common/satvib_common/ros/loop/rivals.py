@@ -1,0 +1,24 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether two nodes publish on a topic of the loop, which has one writer: by name, for people.
+
+A node that was killed stays in the graph for some seconds. So two names prove nothing as long as the messages are in
+order; that is what `satvib_common.sequence.Rivals` looks at.
+"""
+
+from typing import Any
+
+
+def writers_of(node: Any, topic: str) -> list[str]:
+    """Give the full names of the nodes that publish on a topic, in order; one for each publisher."""
+    infos = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
+    return sorted(f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in infos)
+
+
+def too_many_writers(node: Any, topic: str) -> str:
+    """Give a text that names the writers of a topic when there is more than one; else an empty one."""
+    names = writers_of(node, topic)
+    if len(names) < 2:
+        return ''
+    where = node.resolve_topic_name(topic).lstrip('/')
+    return f'{len(names)} publishers on {where}, only one is allowed: {", ".join(names)}'

@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""A line in the log when something changes that a person must know: phase, fault, a voltage that does not arrive."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from satvib_common.struts.applied import TEXTS, Applied
+
+from satvib_control.core.output import ControllerOutput
+
+
+class ChangeLog:
+    """The log of one controller.
+
+    Args:
+        log: of the node.
+        places: of the struts in the arrays of the core.
+    """
+
+    def __init__(self, log: Any, places: Sequence[tuple[int, ...]]) -> None:
+        self._log, self._places = log, places
+        self._phase: object = None
+        self._fault = self._lost = False
+
+    def see(self, output: ControllerOutput, samples: Sequence[Any]) -> None:
+        """Compare a sample with the one before."""
+        k = output.sequence
+        if output.phase is not self._phase:
+            self._phase = output.phase
+            self._log.info(f'sample {k}: {output.phase.name}')
+        fault = bool(output.fault.any())
+        if fault != self._fault:
+            self._fault = fault
+            if fault:
+                reasons = {output.reason_text(place) for place in self._places} - {''}
+                self._log.error(f'sample {k}: {"; ".join(sorted(reasons))}')
+            else:
+                self._log.info(f'sample {k}: the faults are released')
+        state = max(sample.applied_state for sample in samples)
+        if (state >= Applied.SILENT) != self._lost:
+            self._lost = state >= Applied.SILENT
+            if self._lost:
+                self._log.warning(f'sample {k}: {TEXTS[Applied(state)]}')
+            else:
+                self._log.info(f'sample {k}: the voltage reaches its coil again')
