@@ -160,7 +160,7 @@ class Stand:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self.node.create_subscription(
-            DiagnosticArray, '/diagnostics', self._on_diagnostics, wanted(whole=True, depth=200)
+            DiagnosticArray, '/diagnostics', self._on_diagnostics, wanted(whole=False, depth=200)
         )
 
     def _on_diagnostics(self, message):
