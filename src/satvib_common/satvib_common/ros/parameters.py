@@ -122,8 +122,10 @@ def _declared(node: Node, field: Field[Any], hint: Any) -> Any:
         default = list(field.default) or kind
         given = overrides[field.name].value if field.name in overrides else field.default
         if given in ([], ()):
-            overrides[field.name] = Parameter(field.name, kind, [])
+            overrides.pop(field.name, None)
             node.declare_parameter(field.name, kind, describe(field, kind))
+            # rclpy offers no way to give an empty list its type
+            vars(node)['_parameters'][field.name] = Parameter(field.name, kind, [])
             return []
     elif field.default is not MISSING:
         default = field.default
