@@ -100,7 +100,8 @@ class Host:
             wake = Future()
             for node in self.nodes:
                 node.wake = wake
-            pause = self.nodes[0].pause() if len(self.nodes) == 1 else 0.0
+            alone = len(self.nodes) == 1 and self.nodes[0].active
+            pause = self.nodes[0].pause() if alone else 0.0
             if pause > 0.0:
                 time.sleep(pause)
                 wait = 0.0
