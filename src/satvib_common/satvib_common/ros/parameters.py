@@ -121,7 +121,7 @@ def _declared(node: Node, field: Field[Any], hint: Any) -> Any:
         # at all to those who ask for several parameters
         default = list(field.default) or kind
         given = overrides[field.name].value if field.name in overrides else field.default
-        if given in ([], ()):
+        if given in ([], (), None):  # None: an empty list of a parameter file
             overrides.pop(field.name, None)
             node.declare_parameter(field.name, kind, describe(field, kind))
             # rclpy offers no way to give an empty list its type
