@@ -96,7 +96,7 @@ def test_simulation_is_the_run_of_the_twin(launch):
     )
 
 
-def test_a_namespace_a_parameter_file_and_one_process_a_strut(launch, probe, tmp_path):
+def test_a_namespace_and_a_parameter_file(launch, probe, tmp_path):
     """Truth: the topics are below the namespace, and the limit of the file is seen in the voltages: 2 V and not 10."""
     from satvib_msgs.msg import VcaVoltage
 
@@ -106,7 +106,7 @@ def test_a_namespace_a_parameter_file_and_one_process_a_strut(launch, probe, tmp
         yaml.safe_dump({'/rig_a/strut_2/strut_controller': {'ros__parameters': limits}})
     )
     process = launch(
-        'simulation', scenario='quick_3dof', namespace='rig_a', params_file='p.yaml', composition='strut',
+        'simulation', scenario='quick_3dof', namespace='rig_a', params_file='p.yaml', composition='separate',
         log_level='warn',
     )  # fmt: skip
     probe.wait(lambda: found and found[-1].sequence == 399)

@@ -82,6 +82,11 @@ class Plan:
         for member in self.members(values):
             more = ['--log-level', values['log_level']]
             if values['params_file']:
+                if not member.name:
+                    # rcl drops `-p node:name:=value` where a file has a section with the full name of the node
+                    raise SatvibError(
+                        'params_file: give composition:=separate, where each node has its process'
+                    )
                 more += ['--params-file', str(Path(values['params_file']).resolve())]
             found.append(member.below(values['namespace']).with_ros_arguments(*more))
         return found

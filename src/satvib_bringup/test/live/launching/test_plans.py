@@ -85,6 +85,7 @@ def test_one_strut_is_one_process_or_two():
         ('simulation', {'namespace': 'rig a'}, 'namespace'),
         ('simulation', {'params_file': 'none.yaml'}, 'params_file: none.yaml'),
         ('simulation', {'composition': 'single', 'namespace': 'a'}, 'composition single'),
+        ('strut', {'params_file': __file__}, 'composition:=separate'),
         ('centralized', {'scenario': 'paper_3dof'}, 'scheme'),
         ('hardware', {'channels': 'none.yaml'}, 'channels: none.yaml'),
         ('strut', {'strut': 'strut_9'}, 'strut_9'),
