@@ -102,9 +102,8 @@ main()
 @pytest.mark.parametrize(
     'words',
     [
-        ('run', 'quick_3dof'),
+        pytest.param(('run', 'quick_3dof'), marks=pytest.mark.long),
         ('simulate', 'quick_3dof'),
-        ('campaign', 'which_law', '-j', '0'),
     ],
     ids=lambda words: words[0],
 )

@@ -16,7 +16,7 @@ CONTROLLER = ('satvib_control', 'strut_controller')
 IDENTIFIER = ('satvib_ident', 'strut_identifier')
 PLANT = ('satvib_plant_sim', 'plant_sim')
 RATE = 200
-TIMEOUT = 0.25  # s; 50 ms of a machine that does other things are no silence
+TIMEOUT = 0.6  # s; a machine that does other things may be away for half a second
 LOOP = {'sample_rate': float(RATE), 'lockstep': False}
 LAW = LOOP | {'law': 'velocity_feedback', 'struts': 1, 'state_period': 0.0}
 PLAN = PhasePlan(
@@ -152,9 +152,9 @@ def test_a_stalled_controller_is_silent_and_comes_back(start, probe):
     assert rising[0] == silent[-1] + 1
     assert max(abs(voltage[k]) for k in range(rising[-1], rising[-1] + 40)) > 0.1
     check_no_wrong_voltage(strut)
-    probe.wait(lambda: any('0 V' in text for text in strut.complaints('/strut_1/strut_controller')))
+    probe.wait(lambda: 'got no fresh voltage for too long' in strut.controller.said)
     assert {Applied.SILENT, Applied.RETURNING} <= {s.applied_state for s in strut.states}
-    assert '0 V: no fresh voltage for 250 ms' in strut.plant.said
+    assert '0 V: no fresh voltage for 600 ms' in strut.plant.said
     assert 'applied again' in strut.plant.said
     blocks = [(b.sequence + i, s) for b in strut.blocks for i, s in enumerate(b.states)]
     assert {k for k, s in blocks if s == Applied.SILENT} == set(silent)
@@ -197,10 +197,10 @@ def check_model(strut, plan):
 @pytest.mark.parametrize(
     ('phase', 'at', 'end'),
     [
-        ('CALIBRATE', 150, signal.SIGINT),
-        ('IDENTIFY', 600, signal.SIGKILL),
+        pytest.param('CALIBRATE', 150, signal.SIGINT, marks=pytest.mark.long),
+        pytest.param('IDENTIFY', 600, signal.SIGKILL, marks=pytest.mark.long),
         ('CONTROL', 2200, signal.SIGKILL),
-        ('CONTROL', 2200, signal.SIGINT),
+        pytest.param('CONTROL', 2200, signal.SIGINT, marks=pytest.mark.long),
     ],
 )
 def test_a_controller_that_is_started_again_goes_on(start, probe, phase, at, end):
@@ -240,7 +240,9 @@ def test_a_controller_that_is_started_again_goes_on(start, probe, phase, at, end
     assert again.popen.poll() is None
 
 
-@pytest.mark.parametrize(('phase', 'at'), [('IDENTIFY', 600), ('CONTROL', 2200)])
+@pytest.mark.parametrize(
+    ('phase', 'at'), [('IDENTIFY', 600), pytest.param('CONTROL', 2200, marks=pytest.mark.long)]
+)
 def test_an_identifier_that_is_started_again_harms_nothing(start, probe, phase, at):
     """Truth: the samples. The controller goes on to answer them; a new model needs the bias, which it has.
 

@@ -57,9 +57,9 @@ def try_moments(folder, moments):
 
 @pytest.mark.usefixtures('domain')
 def test_a_signal_at_a_random_moment(tmp_path):
-    """Truth: the house rule. Eight moments, one in each eighth of a life; the first is before the interpreter runs."""
+    """Truth: the house rule. Four moments, one in each quarter of a life; the first is before the interpreter runs."""
     draw = random.Random(15)
-    try_moments(tmp_path, [LIFE * (i + draw.random()) / 8 if i else 0.0 for i in range(8)])
+    try_moments(tmp_path, [LIFE * (i + draw.random()) / 4 if i else 0.0 for i in range(4)])
 
 
 @pytest.mark.long

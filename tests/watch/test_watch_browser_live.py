@@ -117,6 +117,7 @@ def grown(start, schedule, watch, browser, settle: float, last: float) -> tuple[
     return after[0] / before[0], after[1] / before[1]
 
 
+@pytest.mark.long
 def test_memory_does_not_grow_in_half_a_minute(start, schedule, watch, browser):
     """Truth: the operating system, and the browser's own count after a collection; a tenth for what is settling.
 
