@@ -16,8 +16,9 @@ class LoopParameters(Schema):
     )
     lockstep: bool = param(
         False,
-        'hold each sample until the schedule, and at hand-over samples the model of the sample '
-        'before, are there; for simulation, where nothing may depend on timing',
+        'hold each sample until the schedule, and at hand-over samples the model of the sample before, are there; for '
+        'simulation, where nothing may depend on timing. Samples of plant_sim and daq_bridge say it themselves, and '
+        'then this value does not count',
         read_only=True,
     )
     model_period: int = param(

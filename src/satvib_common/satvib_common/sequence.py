@@ -36,6 +36,7 @@ class SequenceTracker:
         zero_restarts: except for sample 0.
 
     Attributes:
+        zero_restarts: may be changed.
         last: the newest sequence, None before the first.
         lost, repeats, restarts, strays: counts of samples that are missing, of repeats, restarts and strays.
     """
@@ -44,7 +45,7 @@ class SequenceTracker:
         self, repeat_window: int = 100, *, confirm: bool = False, zero_restarts: bool = False
     ) -> None:
         self.repeat_window = repeat_window
-        self._confirm, self._zero_restarts = confirm, zero_restarts
+        self._confirm, self.zero_restarts = confirm, zero_restarts
         self._candidate: int | None = None
         self.strays = 0
         self.last: int | None = None
@@ -77,7 +78,7 @@ class SequenceTracker:
     def _is_stray(self, sequence: int, last: int) -> bool:
         """Whether a sample that is far from the last one has none before it that it follows."""
         near = abs(sequence - last) <= self.repeat_window and sequence > 0
-        if near or (sequence == 0 and self._zero_restarts):
+        if near or (sequence == 0 and self.zero_restarts):
             self._candidate = None
             return False
         candidate, self._candidate = self._candidate, sequence

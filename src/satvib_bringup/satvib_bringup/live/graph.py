@@ -194,7 +194,7 @@ def graph_of(
         expected=Expected(
             samples=plan.end,
             models=times.count(),
-            states=-(-plan.end // state_every(controller)),
+            states=-(-plan.end // state_every(controller, controller.lockstep)),
             truths=-(-plan.end // max(round(plant.truth_period * rate), 1)),
         ),
         custom=custom,

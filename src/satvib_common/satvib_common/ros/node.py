@@ -79,6 +79,8 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.autostart = bool(self.declare_parameter('autostart', True).value)
         self._settings = NodeParameters(self, schema, self._settings_changed)
+        # as the parameter says, until the samples say it (`loop.pace`)
+        self.in_lockstep = bool(getattr(self.parameters, 'lockstep', False))
 
     # ---- what a subclass fills in
 
@@ -148,7 +150,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         publisher = self.create_lifecycle_publisher(
             kind, topic, qos or offered(paced=paced), qos_overriding_options=overridable()
         )
-        given_up = (lambda: self.ended) if paced else None
+        given_up = (lambda: self.ended or not self.in_lockstep) if paced else None
         self._writers.append(Output(publisher, self._exchange, spared, given_up))
         return self._writers[-1]
 
@@ -167,17 +169,14 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         return reader
 
     def forget(self, reader: Input) -> None:
-        """End a subscription early."""
-        self._readers.remove(reader)
-        reader.close()
+        """End a subscription early, if it is still there."""
+        if reader in self._readers:
+            self._readers.remove(reader)
+            reader.close()
 
     def every(self, period: float, callback: Callable[[], None]) -> Timer:
         """Call back every `period` s of the steady clock while the node is configured."""
-
-        def call(_: None = None) -> None:
-            callback()
-
-        timer = self.create_timer(period, self.guarded_call(call), clock=self._steady)
+        timer = self.create_timer(period, self.guarded_call(callback), clock=self._steady)
         self._timers_made.append(timer)
         return timer
 

@@ -123,7 +123,7 @@ class CoreParameters(LawParameters):
         self.check_frequencies('excitation_frequencies')
 
 
-def state_every(parameters: CoreParameters) -> int:
+def state_every(parameters: CoreParameters, lockstep: bool) -> int:
     """How many samples lie between two messages on controller_state: those of `state_period`, 1 in lockstep."""
     p = parameters
-    return 1 if p.lockstep else max(round(p.state_period * p.sample_rate), 1)
+    return 1 if lockstep else max(round(p.state_period * p.sample_rate), 1)

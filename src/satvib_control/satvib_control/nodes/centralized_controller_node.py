@@ -9,7 +9,9 @@ waits until a sample of all of them is there, and publishes voltage and controll
 from collections import deque
 from functools import partial
 
+from rclpy.qos import QoSProfile
 from satvib_common.phases import PhasePlan
+from satvib_common.ros.delivery.endpoints import Input
 from satvib_common.ros.main import run_node
 from satvib_common.ros.qos import wanted
 from satvib_common.struts.names import strut_names
@@ -43,12 +45,17 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
 
     def activate(self) -> None:
         """Listen to all struts and to the schedule."""
-        qos = wanted(whole=self.parameters.lockstep)
         self.listen_to(Schedule, 'schedule', self.on_schedule, wanted(whole=True))
-        for i, name in enumerate(self.names):
+        self.pace.begin()
+
+    def hear(self, qos: QoSProfile) -> list[Input]:
+        """Listen to the sensors of all struts."""
+        return [
             self.listen_to(
                 StrutAcceleration, f'{name}/acceleration', partial(self._on_acceleration, i), qos
             )
+            for i, name in enumerate(self.names)
+        ]
 
     @property
     def samples_waiting(self) -> int:
@@ -61,6 +68,8 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
             self.answer(*self.waiting.popleft(), plan)
 
     def _on_acceleration(self, strut_index: int, message: StrutAcceleration) -> None:
+        if not self.pace.see(message.pace, message.sequence):
+            return
         if message.sequence == 0 or self.last is None:
             self.check_period(f'{self.names[strut_index]} acceleration', message)
         whole = self.gatherer.add(strut_index, message.sequence, message)

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What every controller node does: schedule, settings, services, diagnostics, and answering samples of its struts.
 
+Whether it is in lockstep is said by the samples (`satvib_common.ros.loop.pace`), and by the parameter until then.
 The voltages are published first. The state follows: in lockstep for every sample, in real time once in `state_period`
 and whenever phase, fault or reason change. When a sample is answered, and with which model, is up to the node of each
 kind.
@@ -12,10 +13,13 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, TypeVar
 
+from rclpy.qos import QoSProfile
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.ros.convert import check_period, fill
+from satvib_common.ros.delivery.endpoints import Input
 from satvib_common.ros.delivery.wire import blank
+from satvib_common.ros.loop.pace import PaceFollower
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.schedule_gate import ScheduleGate
 from satvib_common.sequence import Arrival
@@ -27,11 +31,7 @@ from satvib_control.core.rehearsal import rehearse
 from satvib_control.nodes.change_log import ChangeLog
 from satvib_control.nodes.state_report import StateReport
 from satvib_control.parameters import ControllerParameters
-from satvib_msgs.msg import (
-    Schedule,
-    StrutAcceleration,
-    VcaVoltage,
-)
+from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage
 
 P = TypeVar('P', bound=ControllerParameters)
 Index = tuple[int, ...]
@@ -54,7 +54,7 @@ class ControllerNode(SatvibNode[P]):
             core: gives the voltages.
             struts: for each, its place in the arrays of the core, and the prefix of the names of its topics.
         """
-        if not self.parameters.lockstep:
+        if not self.in_lockstep:
             rehearse(type(core)(self.parameters, core.shape))
         self.core, self.places = core, [place for place, _ in struts]
         self.offer('hold')
@@ -65,12 +65,24 @@ class ControllerNode(SatvibNode[P]):
             self, self.shared('schedule'), self.parameters.sample_rate, self.run_is_on
         )
         self.last: ControllerOutput | None = None
-        self.slowest = 0.0
         self.voltages = [blank(VcaVoltage) for _ in struts]
         self.voltage_out = [self.publish_on(VcaVoltage, f'{name}voltage') for _, name in struts]
         names = [name for _, name in struts]
-        self.report = StateReport(self.publish_on, names, self.places, state_every(self.parameters))
+        self.report = StateReport(self.publish_on, names, self.places, 1)
         self.changes = ChangeLog(self.get_logger(), self.places)
+        topic = f'{names[0]}acceleration'
+        self.pace = PaceFollower(
+            self, topic, self.hear, self.follow_pace, lambda: self.plan is not None
+        )
+        ControllerNode.follow_pace(self)
+
+    @abstractmethod
+    def hear(self, qos: QoSProfile) -> list[Input]:
+        """Make the subscriptions to the samples."""
+
+    def follow_pace(self) -> None:
+        """Work as `in_lockstep` says now."""
+        self.report.every = state_every(self.parameters, self.in_lockstep)
 
     @abstractmethod
     def work(self, plan: PhasePlan) -> None:
@@ -88,7 +100,7 @@ class ControllerNode(SatvibNode[P]):
         """
         p = self.parameters
         plan = self.plan or (_CONTROL if p.control_at_start else None)
-        waits = p.lockstep or time.monotonic() < self.patient_until
+        waits = self.in_lockstep or time.monotonic() < self.patient_until
         if plan is not None or not waits:
             self.work(plan or _STANDBY)
 
@@ -137,20 +149,11 @@ class ControllerNode(SatvibNode[P]):
 
     def diagnose(self) -> tuple[str, dict[str, object]]:
         """Give the reasons of all struts, and the figures of the diagnostics."""
-        last, slowest = self.last, self.slowest
-        self.slowest = 0.0
-        if last is None:
-            return self.nothing_yet, {'samples waiting': self.samples_waiting}
-        reasons = {last.reason_text(place) for place in self.places} - {''}
-        figures = {
-            'sequence': last.sequence,
-            'phase': last.phase.name,
-            'law': last.law,
-            'samples waiting': self.samples_waiting,
-            'samples lost': last.missed_samples,
-            'slowest step [s]': slowest,
-        }
-        return '; '.join(sorted(reasons)), figures
+        waiting: dict[str, object] = {'samples waiting': self.samples_waiting}
+        if self.last is None:
+            return self.nothing_yet, waiting
+        complaint, figures = self.report.diagnose(self.last)
+        return complaint, waiting | figures
 
     def is_at_fault(self) -> bool:
         """Whether 0 V is latched somewhere."""
@@ -193,5 +196,5 @@ class ControllerNode(SatvibNode[P]):
             fill(v, output.voltages(), place)
             self.voltage_out[i].publish(v)
         self.last = output
-        self.slowest = max(self.slowest, self.report.publish(output, samples, start))
+        self.report.publish(output, samples, start)
         self.changes.see(output, samples)

@@ -26,7 +26,7 @@ class StateReport:
         publish_on: makes a publisher of a kind, for a topic.
         names: of the struts, as prefixes of their topics.
         places: of the struts in the arrays of the core.
-        every: samples between two states; a change of phase, fault or reason goes out in any case.
+        every: samples between two states, may be changed; a change of phase, fault or reason goes out in any case.
     """
 
     def __init__(
@@ -36,7 +36,7 @@ class StateReport:
         places: Sequence[Index],
         every: int,
     ) -> None:
-        self._places, self._every = places, every
+        self._places, self.every = places, every
         self._outs = [
             (
                 publish_on(ControllerState, f'{name}controller_state', spared=True),
@@ -47,11 +47,11 @@ class StateReport:
         self._states = [blank(ControllerState) for _ in places]
         self._progress = blank(StrutProgress)
         self._shown: list[object] = [None] * len(places)
-        self._progress_at = 0.0
+        self._progress_at = self._slowest = 0.0
         self._last_stamp: int | None = None
 
-    def publish(self, output: ControllerOutput, samples: Sequence[Any], start: float) -> float:
-        """Publish what is due of a sample that was begun at `start` of the performance counter; gives the s since."""
+    def publish(self, output: ControllerOutput, samples: Sequence[Any], start: float) -> None:
+        """Publish what is due of a sample that was begun at `start` of the performance counter."""
         now = time.perf_counter()
         stamp = nanoseconds(samples[0].header.stamp)
         step = 0.0 if self._last_stamp is None else (stamp - self._last_stamp) * 1e-9
@@ -69,13 +69,25 @@ class StateReport:
         if now - self._progress_at >= _PROGRESS:
             self._progress_at = now
             self._show_progress(output, samples)
-        return now - start
+        self._slowest = max(self._slowest, now - start)
+
+    def diagnose(self, last: ControllerOutput) -> tuple[str, dict[str, object]]:
+        """Give the reasons of all struts in the newest output, and figures of the time since the report before."""
+        reasons = {last.reason_text(place) for place in self._places} - {''}
+        slowest, self._slowest = self._slowest, 0.0
+        return '; '.join(sorted(reasons)), {
+            'sequence': last.sequence,
+            'phase': last.phase.name,
+            'law': last.law,
+            'samples lost': last.missed_samples,
+            'slowest step [s]': slowest,
+        }
 
     def _is_due(self, i: int, output: ControllerOutput, place: Index) -> bool:
-        if self._every == 1:
+        if self.every == 1:
             return True
         news = (output.phase, bool(output.fault[place]), int(output.reason[place]))
-        due = output.sequence % self._every == 0 or news != self._shown[i]
+        due = output.sequence % self.every == 0 or news != self._shown[i]
         self._shown[i] = news
         return due
 

@@ -9,8 +9,10 @@ sample, until the model of the sample before is there; in real time the newest m
 from collections import deque
 
 import numpy as np
+from rclpy.qos import QoSProfile
 from satvib_common.errors import SatvibError
 from satvib_common.phases import PhasePlan
+from satvib_common.ros.delivery.endpoints import Input
 from satvib_common.ros.main import run_node
 from satvib_common.ros.qos import wanted
 from satvib_common.sequence import Arrival, SequenceTracker
@@ -36,21 +38,34 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         p = self.parameters
         self.serve(ControllerCore(p), [((), '')])
         self.waiting: deque[tuple[StrutAcceleration, Arrival]] = deque()
-        self.models: ModelQueue[IirParameters] = ModelQueue(p.model_period, wait=p.lockstep)
-        self.tracker = SequenceTracker(confirm=True, zero_restarts=p.lockstep)
-        self.supervised = p.supervised and p.lockstep
+        self.models: ModelQueue[IirParameters] = ModelQueue(p.model_period, wait=self.in_lockstep)
+        self.tracker = SequenceTracker(confirm=True, zero_restarts=self.in_lockstep)
+        self.supervised = p.supervised and self.in_lockstep
         self.judged = -1  # the last sample that the supervisor has judged
 
     def activate(self) -> None:
         """Listen to the strut and to the schedule."""
-        qos = wanted(whole=self.parameters.lockstep)
         self.listen_to(Schedule, self.shared('schedule'), self.on_schedule, wanted(whole=True))
-        if self.supervised:
-            self.listen_to(
-                UInt64, self.shared('supervision'), self._on_supervision, wanted(whole=True)
-            )
+        self._hear_supervisor()
         self.listen_to(IirParameters, 'identified_model', self._on_model, wanted(whole=True))
-        self.listen_to(StrutAcceleration, 'acceleration', self._on_acceleration, qos)
+        self.pace.begin()
+
+    def hear(self, qos: QoSProfile) -> list[Input]:
+        """Listen to the sensors of the strut."""
+        return [self.listen_to(StrutAcceleration, 'acceleration', self._on_acceleration, qos)]
+
+    def follow_pace(self) -> None:
+        """In lockstep wait for the model and the supervisor, too."""
+        super().follow_pace()
+        self.models.wait = self.tracker.zero_restarts = self.in_lockstep
+        before, self.supervised = self.supervised, self.parameters.supervised and self.in_lockstep
+        if self.supervised and not before:
+            self._hear_supervisor()
+
+    def _hear_supervisor(self) -> None:
+        if self.supervised:
+            topic = self.shared('supervision')
+            self.listen_to(UInt64, topic, self._on_supervision, wanted(whole=True))
 
     @property
     def samples_waiting(self) -> int:
@@ -107,6 +122,8 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
             self._prepare(self.plan)
 
     def _on_acceleration(self, message: StrutAcceleration) -> None:
+        if not self.pace.see(message.pace, message.sequence):
+            return
         arrival = self.tracker.classify(message.sequence)
         if arrival in {Arrival.FIRST, Arrival.RESTART}:
             self.check_period(f'{self.strut} acceleration', message)

@@ -5,9 +5,10 @@
 from collections.abc import Callable
 from typing import Any
 
+from rclpy.qos import QoSProfile
 from satvib_common.ros.delivery.endpoints import Input
+from satvib_common.ros.loop.pace import PaceFollower
 from satvib_common.ros.node import SatvibNode
-from satvib_common.ros.qos import wanted
 
 from satvib_msgs.msg import StrutAcceleration, VcaVoltage
 
@@ -17,18 +18,21 @@ class Hearing:
 
     Args:
         node: that listens.
-        whole: it wants what was published before it came, too.
         on_voltage, on_sample: take the messages.
+        follow_pace: called when the node is in lockstep from now on, or no longer.
+        expected: whether samples should come now.
     """
 
     def __init__(
         self,
         node: SatvibNode[Any],
-        whole: bool,
         on_voltage: Callable[[VcaVoltage], None],
         on_sample: Callable[[StrutAcceleration], None],
+        follow_pace: Callable[[], None],
+        expected: Callable[[], bool],
     ) -> None:
-        self._node, self._qos = node, wanted(whole=whole)
+        self._node = node
+        self._pace = PaceFollower(node, 'acceleration', self._listen, follow_pace, expected)
         self._on_voltage, self._on_sample = on_voltage, on_sample
         self._voltages: Input | None = None
         self._samples: Input | None = None
@@ -41,11 +45,18 @@ class Hearing:
 
     def begin(self) -> None:
         """Listen to voltages and samples, if it does not do so already."""
-        if self.on:
-            return
-        listen, qos = self._node.listen_to, self._qos
+        if not self.on:
+            self._pace.begin()
+
+    def _listen(self, qos: QoSProfile) -> list[Input]:
+        listen = self._node.listen_to
         self._voltages = listen(VcaVoltage, 'voltage', self._on_voltage, qos)
-        self._samples = listen(StrutAcceleration, 'acceleration', self._on_sample, qos)
+        self._samples = listen(StrutAcceleration, 'acceleration', self._hear, qos)
+        return [self._voltages, self._samples]
+
+    def _hear(self, message: StrutAcceleration) -> None:
+        if self._pace.see(message.pace, message.sequence):
+            self._on_sample(message)
 
     def need_no_voltages(self) -> None:
         """Cease to listen to the voltages, because the samples say what the coil got."""
@@ -56,6 +67,7 @@ class Hearing:
     def cease(self) -> None:
         """Listen to nothing, for the rest of this run."""
         self._sources = self._present()
+        self._pace.end()
         self.need_no_voltages()
         if self._samples is not None:
             self._node.forget(self._samples)
@@ -64,6 +76,7 @@ class Hearing:
     def forget(self) -> None:
         """The subscriptions are gone already."""
         self._voltages = self._samples = None
+        self._pace.end()
 
     def is_same_source(self) -> bool:
         """Whether a source of when the node ceased to listen is still there."""

@@ -4,7 +4,8 @@
 
 Sample k of the acceleration is paired with the voltage of sample k - delay that the coil got (see `voltage_pairing`).
 The samples of `plant_sim` and `daq_bridge` say what that was; then the node needs no voltage from the controller. Of
-other sources it takes the voltage that was asked for. In lockstep it waits for the schedule and for what it needs.
+other sources it takes the voltage that was asked for. In lockstep it waits for the schedule and for what it needs;
+the samples say whether it is in lockstep (`satvib_common.ros.loop.pace`).
 
 When the model is published is in `model_times`. After the last sample that it estimates with, the node hears nothing
 more: it ends its subscriptions and costs nothing, until a new schedule or another source of samples is there.
@@ -48,16 +49,19 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
     def configure(self) -> None:
         """Build the core and the message that is refilled."""
         p = self.parameters
-        if not p.lockstep:
+        if not self.in_lockstep:
             rehearse(IdentifierCore(p))
         self.core = IdentifierCore(p)
         self.times: ModelTimes | None = None
         self.gate = ScheduleGate(self, self.shared('schedule'), p.sample_rate, self._run_is_on)
-        self.hearing = Hearing(self, p.lockstep, self._on_voltage, self._on_acceleration)
+        self.hearing = Hearing(
+            self, self._on_voltage, self._on_acceleration,
+            lambda: self.pairing.set_wait(self.in_lockstep), lambda: self.times is not None,
+        )  # fmt: skip
         self.phases = frozenset(Phase[name] for name in p.estimate_in)
-        self.core.tracker = SequenceTracker(confirm=True, zero_restarts=p.lockstep)
+        self.core.tracker = SequenceTracker(confirm=True, zero_restarts=self.in_lockstep)
         self.pairing: VoltagePairing[StrutAcceleration] = VoltagePairing(
-            p.delay, p.lockstep, self.core.tracker
+            p.delay, self.in_lockstep, self.core.tracker
         )
         self.message = IirParameters(sample_period=p.dt, delay=p.delay)
         self.publisher = self.publish_on(IirParameters, 'identified_model')
@@ -83,7 +87,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
     def pause(self) -> float:
         """In lockstep messages gather until a hand-over is near, which saves wake-ups."""
         times, last = self.times, self.core.tracker.last
-        if not self.hearing.on or times is None or last is None or not self.parameters.lockstep:
+        if not self.hearing.on or times is None or last is None or not self.in_lockstep:
             return 0.0
         plan, period = times.plan, self.parameters.model_period
         near = any(plan.is_hand_over(k, period) for k in range(last, last + _NEAR))
@@ -150,7 +154,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
 
     def _work(self) -> None:
         """Process every sample that has all it needs."""
-        if self.times is not None or not self.parameters.lockstep:
+        if self.times is not None or not self.in_lockstep:
             for sample, voltage, arrival in self.pairing.pairs():
                 self._identify(sample, voltage, arrival)
 

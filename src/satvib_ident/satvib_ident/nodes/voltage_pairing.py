@@ -36,6 +36,10 @@ class VoltagePairing(Generic[T]):
         self._known: dict[int, float] = {}
         self._applied = -1  # the last sample of which it is known what the coil got
 
+    def set_wait(self, wait: bool) -> None:
+        """Wait from now on, or no more."""
+        self.wait = self.voltages.zero_restarts = self.samples.zero_restarts = wait
+
     def __len__(self) -> int:
         """Number of samples that wait."""
         return len(self._waiting)

@@ -9,6 +9,7 @@ from typing import Any
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 
 from satvib_common.errors import RunError
@@ -19,6 +20,16 @@ from satvib_common.ros.qos import overridable
 # s, with a reader that takes nothing; one that has ended without a word is forgotten after 20 s
 _PATIENCE = 30.0
 _AT_ONCE = 0.02  # s; an error that comes sooner is no lack of room
+
+
+def _options(node: Node, topic: str) -> QoSOverridingOptions | None:
+    """What people may change of the next subscription to a topic.
+
+    The parameters of an earlier subscription to it hold what that one asked for, and would change the next one to it.
+    """
+    begin = f'qos_overrides.{topic}.subscription.'
+    given = any(name.startswith(begin) for name in getattr(node, '_parameter_overrides', {}))
+    return overridable() if given or not node.has_parameter(f'{begin}durability') else None
 
 
 class Output:
@@ -145,8 +156,9 @@ class Input:
             taken = lambda data: call(unpack(data))  # noqa: E731
 
         def subscribe(take: Callable[[Any], None]) -> Subscription:
+            options = _options(node, self.topic_name)
             return node.create_subscription(
-                kind, topic, take, qos, qos_overriding_options=overridable(), raw=raw
+                kind, topic, take, qos, qos_overriding_options=options, raw=raw
             )
 
         if exchange is None:

@@ -8,7 +8,8 @@ from satvib_common.door import door
 
 if TYPE_CHECKING:
     from satvib_common.ros.loop.applied_block import AppliedBlocks
+    from satvib_common.ros.loop.pace import PaceFollower
     from satvib_common.ros.loop.rivals import too_many_writers, writers_of
 
-__all__ = ['AppliedBlocks', 'too_many_writers', 'writers_of']
+__all__ = ['AppliedBlocks', 'PaceFollower', 'too_many_writers', 'writers_of']
 __getattr__, __dir__ = door(__name__, __file__)
