@@ -41,7 +41,7 @@ def on_a_small_disk(tmp_path, size, program, *arguments):
 
 
 RECORD = """
-import sys, time
+import sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 from rosbags.highlevel import AnyReader
@@ -57,11 +57,12 @@ while not said:
     if k % 100 == 0:
         others.write(bytes(100_000))
         others.flush()
-        time.sleep(0.02)
-    try:
-        sink.check()
-    except RunError as error:
-        said = str(error)
+    # no further than the bag is written
+    while not said and sink.written < k - 100:
+        try:
+            sink.check()
+        except RunError as error:
+            said = str(error)
 try:
     sink.close()
 except RunError:

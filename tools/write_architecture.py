@@ -10,6 +10,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from made_page import write_or_compare
 from source_tree import NO_ALL, PACKAGES, ROOT, Module, modules
 
 PAGE = ROOT / 'docs' / 'architecture.md'
@@ -53,14 +54,7 @@ def current(page: Path = PAGE) -> tuple[str, str]:
 
 def main(arguments: list[str]) -> int:
     """Write the page, or compare it."""
-    is_, should = current()
-    if is_ == should:
-        return 0
-    if '--check' in arguments:
-        print('docs/architecture.md is not current: run python tools/write_architecture.py')
-        return 1
-    PAGE.write_text(should, encoding='utf-8')
-    return 0
+    return write_or_compare(PAGE, current()[1], arguments, 'write_architecture.py')
 
 
 if __name__ == '__main__':

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import yaml
+from made_page import write_or_compare
 from source_tree import ROOT
 
 PAGE = ROOT / 'docs' / 'nodes.md'
@@ -294,14 +295,7 @@ def main(arguments: list[str]) -> int:
     os.environ.setdefault('ROS_DOMAIN_ID', '101')
     import rclpy.action  # noqa: F401 - looked up by `asked`
 
-    should = page()
-    if PAGE.exists() and PAGE.read_text(encoding='utf-8') == should:
-        return 0
-    if '--check' in arguments:
-        print('docs/nodes.md is not current: run python tools/write_nodes.py')
-        return 1
-    PAGE.write_text(should, encoding='utf-8')
-    return 0
+    return write_or_compare(PAGE, page(), arguments, 'write_nodes.py')
 
 
 if __name__ == '__main__':
