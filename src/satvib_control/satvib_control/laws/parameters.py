@@ -87,14 +87,12 @@ class VelocityParameters(LawParameters):
         'read as V per g s',
         unit='V/(m/s)',
         minimum=0.0,
-        read_only=True,
     )
     velocity_fallback_gain: float = param(
         56.1,
         'largest gain of velocity_feedback while there is no identified model to bound it',
         unit='V/(m/s)',
         minimum=0.0,
-        read_only=True,
     )
     velocity_corner: float = param(
         0.5,

@@ -89,6 +89,10 @@ class LawSum(BasicLaw[LawParameters]):
         self._model.take(model, trusted)
         for law in self.parts:
             law.set_model(model, trusted, covariance)
+        self._introduce()
+
+    def _introduce(self) -> None:
+        """Tell the laws that hear their partners what C of these is now."""
         for law, hears in zip(self.parts, self._hearing, strict=True):
             if hears and isinstance(law, BasicLaw):
                 law.hear_partners(self._response)
@@ -145,6 +149,8 @@ class LawSum(BasicLaw[LawParameters]):
         super().apply(parameters)
         for law, hears in zip(self.parts, self._hearing, strict=True):
             law.apply(self._shared(parameters, hears))
+        if self._model.known.any():
+            self._introduce()
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Reset every part."""

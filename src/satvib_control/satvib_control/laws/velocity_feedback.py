@@ -11,6 +11,8 @@ from the identified model when there is one. g is the gain in V/(m/s).
 The paper's "differential controller gain is 550" has no unit. Its figures are in g, so it is read as 550 V per (g s),
 which is 550 / 9.80665 = 56.1 V/(m/s): the default.
 
+The gain can be set while the law acts. The integrator goes on, so the next voltage differs by the ratio of the gains.
+
 With an identified model, g is reduced to the bound that keeps the modulus margin, and the state says so; without, it is
 `velocity_fallback_gain` at most.
 """
@@ -45,10 +47,23 @@ class VelocityFeedback(BasicLaw[VelocityParameters]):
     ) -> None:
         super().__init__(parameters, dt, shape)
         self._integrator = LeakyIntegrator(parameters.velocity_corner, dt, shape)
-        unproven = min(parameters.velocity_gain, parameters.velocity_fallback_gain)
-        self._gain = np.full(shape, unproven * parameters.velocity_polarity)
-        self.state.ki = self._gain
-        self.state.reason = np.full(shape, UNPROVEN)
+        self._sign = np.zeros(shape)  # of the identified model; 0: there is none
+        self._retune()
+
+    def apply(self, parameters: VelocityParameters) -> None:
+        """Take another gain, within the bounds of the identified model."""
+        super().apply(parameters)
+        self._retune()
+
+    def _retune(self) -> None:
+        p, state = self.parameters, self.state
+        unproven = min(p.velocity_gain, p.velocity_fallback_gain) * p.velocity_polarity
+        wanted = p.velocity_gain * self._sign
+        known = self._sign != 0.0
+        gain = np.minimum(np.maximum(wanted, state.ki_min), state.ki_max)
+        self._gain = np.where(known, gain, unproven)
+        state.ki = self._gain
+        state.reason = np.where(known, np.where(gain != wanted, REDUCED, 0), UNPROVEN)
 
     def set_model(self, model: 'IirModel', trusted: Mask, covariance: Array | None = None) -> None:
         """Take sign and bounds from the model where it is trusted."""
@@ -61,14 +76,12 @@ class VelocityFeedback(BasicLaw[VelocityParameters]):
             covariance if p.gain_confidence > 0.0 else None,
             p.gain_confidence,
         )
-        wanted = p.velocity_gain * polarity(model, self._integrator.b, self._integrator.a)
-        gain = bounds.project(wanted)
+        sign = polarity(model, self._integrator.b, self._integrator.a)
         state = self.state
-        self._gain = np.where(trusted, gain, self._gain)
-        state.ki = self._gain
+        self._sign = np.where(trusted, sign, self._sign)
         state.ki_min = np.where(trusted, bounds.minimum, state.ki_min)
         state.ki_max = np.where(trusted, bounds.maximum, state.ki_max)
-        state.reason = np.where(trusted, np.where(gain != wanted, REDUCED, 0), state.reason)
+        self._retune()
 
     def step(self, x: LawInput, phase: Phase) -> Array:  # noqa: ARG002 - the same in every phase
         """Give the voltage (shape, V)."""

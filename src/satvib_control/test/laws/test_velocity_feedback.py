@@ -103,3 +103,36 @@ def test_a_batch_has_the_bits_of_its_items(make_isolator, make_loop, settings):
     for i, model in enumerate(models):
         _, alone = make_loop(p.replace(strut=i), model, PLAN).run(500, d[:, i])
         np.testing.assert_array_equal(together[:, i], alone)
+
+
+def test_a_gain_that_is_set_while_the_law_acts_makes_no_other_step(settings):
+    """Truth: a law that had the new gain from the start. The integrator knows no gain, so all bits are its own."""
+    from satvib_control.laws.base import LawInput
+    from satvib_control.laws.velocity_feedback import VelocityFeedback
+
+    old = settings(sample_rate=RATE, law='velocity_feedback', velocity_gain=30.0)
+    new = old.replace(velocity_gain=45.0)
+    law, always_new, always_old = (VelocityFeedback(p, 1.0 / RATE) for p in (old, new, old))
+    for k in range(400):
+        y = np.asarray(np.sin(0.3 * k))
+        x = LawInput(k, y, y, np.zeros(()), np.zeros((), bool), np.ones((), bool))
+        if k == 200:
+            law.apply(new)
+        u, of_new, of_old = (each.step(x, Phase.CONTROL) for each in (law, always_new, always_old))
+        assert u == (of_old if k < 200 else of_new)
+    assert law.state.ki == 45.0
+
+
+def test_a_gain_that_is_set_stays_within_the_bounds_of_the_model(make_isolator, settings):
+    """Truth: `gain_bounds` of the model."""
+    from satvib_control.laws.velocity_feedback import REDUCED, VelocityFeedback
+
+    model = make_isolator(RATE)
+    p = settings(sample_rate=RATE, law='velocity_feedback', velocity_gain=1.0)
+    law = VelocityFeedback(p, 1.0 / RATE)
+    law.set_model(model, np.asarray(True))
+    law.apply(p.replace(velocity_gain=1e6))
+    assert law.state.ki == law.state.ki_max < 1e6
+    assert law.state.reason == REDUCED
+    law.apply(p)
+    assert (law.state.ki, law.state.reason) == (1.0, 0)

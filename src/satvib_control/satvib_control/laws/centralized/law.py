@@ -86,12 +86,17 @@ class Centralized(BasicLaw[CentralizedParameters]):
                 'law: centralized needs all struts at once; set scheme: centralized in the scenario'
             )
         super().__init__(p, dt, shape)
-        n, s = p.struts, p.velocity_polarity
-        angles = p.strut_angles[:n]
+        angles = p.strut_angles[: p.struts]
         self._strut, self._mode = strut_matrix(angles), mode_matrix(angles)
-        self._gains = s * np.array([p.gains_p[:n], p.gains_i[:n], p.gains_d[:n]])
         self._integrator = np.array(leaky_integrator(p.velocity_corner, dt))
         self._state = np.zeros((*shape, 2, 2))
+        self.apply(p)
+
+    def apply(self, parameters: CentralizedParameters) -> None:
+        """Take other gains; the integrators go on."""
+        super().apply(parameters)
+        p, n, shape = parameters, parameters.struts, self.shape
+        self._gains = p.velocity_polarity * np.array([p.gains_p[:n], p.gains_i[:n], p.gains_d[:n]])
         # shown for each strut: the gains from its own sensor to its own voltage
         own = [
             np.array([sum(self._strut[i] * row * self._mode[:, i]) for i in range(n)])

@@ -31,19 +31,16 @@ class CentralizedParameters(ControllerParameters):
         (0.0, 0.0, 0.0),
         'P, on the velocity of each mode: acts like a damper',
         unit='V/(m/s)',
-        read_only=True,
     )
     gains_i: tuple[float, ...] = param(
         (0.0, 0.0, 0.0),
         'I, on the position of each mode: acts like a spring',
         unit='V/m',
-        read_only=True,
     )
     gains_d: tuple[float, ...] = param(
         (0.0, 0.0, 0.0),
         'D, on the acceleration of each mode: acts like a mass',
         unit='V/(m/s^2)',
-        read_only=True,
     )
 
     def check(self) -> None:
