@@ -11,6 +11,8 @@ from satvib_plant_sim.rig.rig import Rig
 from satvib_plant_sim.stepping.discretize import Delay
 from satvib_plant_sim.stepping.hold import events_at
 
+NEVER = np.iinfo(np.int64).min // 2
+
 
 class VoltageQueue:
     """The voltages of the last periods.
@@ -25,6 +27,8 @@ class VoltageQueue:
             [_whole_periods(rig, delay) for rig, delay in zip(rigs, delays, strict=True)]
         )
         self._event = np.stack([_events(delay, n) for delay in delays])
+        # sample of the last voltage that had arrived when the latency changed: none before it arrives any more
+        self._arrived = np.full_like(self._periods, NEVER)
         self._queue = np.zeros((int(self._periods.max()) + 1, len(rigs), n))
 
     def pass_on(self, k: int, voltage: Array) -> tuple[Array, Array]:
@@ -37,21 +41,23 @@ class VoltageQueue:
         self._queue[k % depth] = voltage
         if depth == 1:  # nothing is later than its own period
             return self._queue[0], self._event
-        sent = (k - self._periods) % depth
+        sent = np.maximum(k - self._periods, self._arrived) % depth
         return self._queue[sent, np.arange(trials)[:, None], np.arange(n)], self._event
 
     def change(self, trial: int, rig: Rig, delay: Delay, k: int) -> None:
-        """Change the latency of a trial before sample k; voltages on their way keep their order."""
+        """Change the latency of a trial before sample k.
+
+        Voltages on their way keep their order: where the latency grows, the last one that has arrived stays until the
+        next arrives. What the queue holds from before that depends on the longest latency of the batch.
+        """
+        self._arrived[trial] = np.maximum(k - 1 - self._periods[trial], self._arrived[trial])
         self._periods[trial] = periods = _whole_periods(rig, delay)
         self._event[trial] = _events(delay, self._queue.shape[-1])
-        depth = len(self._queue)
-        missing = max(periods) + 1 - depth
-        if missing > 0:
-            # the voltages move to their places in the longer queue; before the oldest there was the oldest
-            old = [self._queue[(k - age) % depth] for age in range(1, depth + 1)]
-            queue = np.zeros((depth + missing, *self._queue.shape[1:]))
-            for age in range(1, depth + missing):
-                queue[(k - age) % len(queue)] = old[min(age, len(old)) - 1]
+        depth, longer = len(self._queue), max(periods) + 1
+        if longer > depth:
+            queue = np.zeros((longer, *self._queue.shape[1:]))
+            for age in range(1, depth + 1):
+                queue[(k - age) % longer] = self._queue[(k - age) % depth]
             self._queue = queue
 
 

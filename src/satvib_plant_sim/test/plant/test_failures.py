@@ -248,6 +248,45 @@ def test_a_latency_that_grows_in_a_run_keeps_what_is_on_its_way():
         assert same(one, other)
 
 
+def late(time, *periods):
+    return failure('rig_changed', time, changes={'acquisition.periods_late': list(periods)})
+
+
+def test_bits_do_not_depend_on_the_latency_of_other_trials():
+    """Truth: each trial alone, bit for bit; latencies of a batch grow and shrink at different times."""
+    lists = [
+        [late(0.05, 3, 3, 3)],
+        [late(0.1, 2, 2, 2)],
+        [late(0.02, 3, 0, 1), late(0.12, 3, 2, 0), late(0.125, 3, 3, 3)],
+        [late(0.03, 1, 1, 1), late(0.2, 0, 0, 0), late(0.205, 2, 2, 2)],
+        [],
+    ]
+    u = voltages(80, (len(lists), 3))
+    batch = drive(make_failing_plant([RIG] * 5, [TONE] * 5, [1, 2, 3, 4, 5], lists), u)
+    for i, each in enumerate(lists):
+        single = drive(make_failing_plant(RIG, TONE, i + 1, each), u[:, i])
+        for a, b in zip(single, batch, strict=True):
+            assert same(a, np.ascontiguousarray(b[:, i])), i
+
+
+def test_a_latency_that_grows_holds_the_last_voltage():
+    """Struts 1 and 2 grow by 2 and 1 samples under strut 3, which is 3 late all the time.
+
+    Truth: the voltages moved by hand; what has arrived is held until the next one arrives, never an older one.
+    """
+    u, k = voltages(60), 30
+    moved = u.copy()
+    moved[:, 2] = np.concatenate([np.zeros(3), u[:-3, 2]])
+    for strut, periods in ((0, 2), (1, 1)):
+        sent = np.arange(60)
+        sent[k:] = np.maximum(sent[k:] - periods, k - 1)
+        moved[:, strut] = u[sent, strut]
+    first = load_rig('soft_3dof', {'acquisition.periods_late': [0, 0, 3]})
+    changed = make_failing_plant(first, TONE, 3, [late(k * RIG.acquisition.period, 2, 1, 3)])
+    for one, other in zip(drive(changed, u), drive(Plant(RIG, TONE, 3), moved), strict=True):
+        assert same(one, other)
+
+
 @pytest.mark.parametrize('delay', [0.0, 0.004, 0.0173])
 def test_voltages_on_their_way_arrive_in_order_when_the_latency_changes(delay):
     """Truth: a voltage that stays the same is the same whenever it arrives, whatever the latency is."""
@@ -277,6 +316,8 @@ def test_a_strut_whose_voltage_is_late_gets_what_the_others_got_before():
     u = voltages(80)
     moved = u.copy()
     moved[:, 1] = np.concatenate([np.zeros(2), u[:-2, 1]])
-    late = drive(Plant(load_rig('soft_3dof', {'acquisition.periods_late': [0, 2, 0]}), TONE, 3), u)
-    for one, other in zip(late, drive(Plant(RIG, TONE, 3), moved), strict=True):
+    moved_by_the_rig = drive(
+        Plant(load_rig('soft_3dof', {'acquisition.periods_late': [0, 2, 0]}), TONE, 3), u
+    )
+    for one, other in zip(moved_by_the_rig, drive(Plant(RIG, TONE, 3), moved), strict=True):
         assert same(one, other)
