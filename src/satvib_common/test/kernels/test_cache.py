@@ -3,8 +3,10 @@
 """Compiled kernels on disk: never mixed, never stale. Truth: the arithmetic of the small kernels made here."""
 
 import os
+import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -26,7 +28,7 @@ def affine(x, y):
     for i in range(x.shape[0]):
         y[i] = scaled(x[i]) + OFFSET
 """
-CALL = 'import numpy as np; import some_kernel; print(some_kernel.affine(np.ones(2)).tolist())'
+CALL = 'import numpy as np, some_kernel; print(some_kernel.affine(np.ones(2)).tolist())'
 
 
 @pytest.fixture
@@ -40,73 +42,91 @@ def write(folder, factor=2.0, offset=1.0, compiler='satvib_common.kernels.deferr
     (folder / 'some_kernel.py').write_text(KERNEL.format(offset=offset))
 
 
-def start(folder):
+def run(folder, code=CALL, **variables):
+    """What a process says that finds its modules in a folder."""
     path = os.pathsep.join([str(folder), *sys.path])
-    env = {k: v for k, v in os.environ.items() if k != 'NUMBA_CACHE_DIR'} | {'PYTHONPATH': path}
-    return subprocess.Popen(
-        [sys.executable, '-c', CALL],
-        env=env,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    env = {k: v for k, v in os.environ.items() if k != 'NUMBA_CACHE_DIR'}
+    done = subprocess.run(
+        [sys.executable, '-c', code], env=env | {'PYTHONPATH': path} | variables,
+        capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
 
 
-def result(process):
-    out, err = process.communicate(timeout=120)
-    assert process.returncode == 0, err
-    return out.strip()
+QUIET = (
+    CALL
+    + """
+import sys
+print(sorted({'numba', 'llvmlite', 'scipy', 'coverage', 'matplotlib'} & set(sys.modules)))
+"""
+)
+
+
+@pytest.fixture(scope='module')
+def cold(tmp_path_factory):
+    """A folder with a compiled kernel, and what the processes said that started together when there was none."""
+    folder = tmp_path_factory.mktemp('cold')
+    write(folder)
+    with ThreadPoolExecutor() as pool:
+        together = [pool.submit(run, folder, QUIET) for _ in range(4)]
+        return folder, [started.result() for started in together]
+
+
+@pytest.fixture
+def compiled(cold, folder):
+    """A folder of its own with a compiled kernel: time stamps and all, as a copy of a repository has it."""
+    shutil.rmtree(folder)
+    shutil.copytree(cold[0], folder)
+    return folder
 
 
 def kept(folder):
     return sorted((folder / '__pycache__').glob('kernel-some_kernel-affine-*.so'))
 
 
-def test_processes_that_start_together_on_a_cold_cache_all_compute(folder):
-    together = [start(folder) for _ in range(4)]
-    assert [result(p) for p in together] == ['[3.0, 3.0]'] * 4
-    assert result(start(folder)) == '[3.0, 3.0]'
+def test_processes_that_start_together_on_a_cold_cache_all_compute(cold):
+    folder, said = cold
+    assert [text.splitlines()[0] for text in said] == ['[3.0, 3.0]'] * 4
+    assert run(folder) == '[3.0, 3.0]'
     assert len(kept(folder)) == 1
 
 
 @pytest.mark.parametrize(('change', 'expected'), [({'factor': 5.0}, 6.0), ({'offset': 7.0}, 9.0)])
-def test_a_changed_helper_or_constant_compiles_anew(folder, change, expected):
-    assert result(start(folder)) == '[3.0, 3.0]'
-    before = kept(folder)
-    write(folder, **change)
-    assert result(start(folder)) == f'[{expected}, {expected}]'
-    after = kept(folder)
+def test_a_changed_helper_or_constant_compiles_anew(compiled, change, expected):
+    before = kept(compiled)
+    write(compiled, **change)
+    assert run(compiled) == f'[{expected}, {expected}]'
+    after = kept(compiled)
     assert len(after) == 1
     assert after != before
 
 
-def test_what_a_full_disk_left_is_not_used(folder):
+def test_what_a_full_disk_left_is_not_used(compiled):
     """A library that cannot be loaded is made again."""
-    assert result(start(folder)) == '[3.0, 3.0]'
-    (only,) = kept(folder)
+    (only,) = kept(compiled)
     only.write_bytes(only.read_bytes()[:1000])
-    assert result(start(folder)) == '[3.0, 3.0]'
+    assert run(compiled) == '[3.0, 3.0]'
     assert only.stat().st_size > 1000
 
 
-def test_a_comment_compiles_nothing(folder):
+def test_a_comment_compiles_nothing(compiled):
     """Truth: the name of the library, which is a digest of what it depends on, and its time."""
-    result(start(folder))
-    (before,) = kept(folder)
+    (before,) = kept(compiled)
     written = before.stat().st_mtime_ns
     for name in ('helper_of_kernel.py', 'some_kernel.py'):
-        path = folder / name
+        path = compiled / name
         path.write_text('# a comment\n' + path.read_text())
-    assert result(start(folder)) == '[3.0, 3.0]'
-    assert [path.stat().st_mtime_ns for path in kept(folder)] == [written]
+    assert run(compiled) == '[3.0, 3.0]'
+    assert [path.stat().st_mtime_ns for path in kept(compiled)] == [written]
 
 
 def test_a_helper_made_by_numba_itself_is_followed(folder):
     """A law of a user may take `njit` from Numba."""
     write(folder, compiler='numba')
-    assert result(start(folder)) == '[3.0, 3.0]'
+    assert run(folder) == '[3.0, 3.0]'
     write(folder, factor=5.0, compiler='numba')
-    assert result(start(folder)) == '[6.0, 6.0]'
+    assert run(folder) == '[6.0, 6.0]'
     assert len(kept(folder)) == 1
 
 
@@ -127,19 +147,11 @@ def test_a_folder_that_cannot_be_written_keeps_kernels_in_the_cache_of_the_user(
     assert only.stat().st_size > 0
 
 
-QUIET = """
-import sys
-import numpy as np
-import some_kernel
-some_kernel.affine(np.ones(2))
-print(sorted({'numba', 'llvmlite', 'scipy', 'coverage', 'matplotlib'} & set(sys.modules)))
-"""
-
-
-def test_a_kernel_on_disk_needs_no_compiler(folder):
-    """Truth: the modules of a process that finds its kernel, and of the one that has made it."""
-    assert "'numba'" in run(folder, QUIET)
-    assert run(folder, QUIET) == '[]'
+def test_a_kernel_on_disk_needs_no_compiler(cold, compiled):
+    """Truth: the modules of a process that finds its kernel, and of those that have made it."""
+    _, said = cold
+    assert any("'numba'" in text for text in said)
+    assert run(compiled, QUIET) == '[3.0, 3.0]\n[]'
 
 
 FAILING = """
@@ -172,54 +184,39 @@ def test_an_error_of_machine_code_is_an_error_of_python(tmp_path):
         assert second.startswith('RuntimeError')
 
 
-def test_a_linked_path_loads_what_the_source_compiled(folder, tmp_path_factory):
+def test_a_linked_path_loads_what_the_source_compiled(compiled, tmp_path_factory):
     """A colcon build links to the sources; both paths share one compiled kernel."""
-    assert result(start(folder)) == '[3.0, 3.0]'
+    (before,) = kept(compiled)
+    written = before.stat().st_mtime_ns
     linked = tmp_path_factory.mktemp('build') / 'linked'
-    linked.symlink_to(folder)
-    assert result(start(linked)) == '[3.0, 3.0]'
-    assert len(kept(folder)) == 1
+    linked.symlink_to(compiled)
+    assert run(linked) == '[3.0, 3.0]'
+    assert [path.stat().st_mtime_ns for path in kept(compiled)] == [written]
 
 
-MEMBER = """
-from enum import IntEnum
+PLACE = 'from enum import IntEnum\nclass Place(IntEnum):\n    SECOND = {}\n'
+PICK = """
 import numbers_of_kernel
 from satvib_common.kernels.compile import kernel
-
-class Place(IntEnum):
-    SECOND = {place}
 
 @kernel('void(f8[:], f8[:])', '(n)->()')
 def pick(x, y):
     y[0] = x[Place.SECOND] * numbers_of_kernel.FACTOR
 """
-PICK = 'import numpy as np; import some_kernel; print(some_kernel.pick(np.arange(3.0)))'
-
-
-def run(folder, code, **variables):
-    path = os.pathsep.join([str(folder), *sys.path])
-    env = {k: v for k, v in os.environ.items() if k != 'NUMBA_CACHE_DIR'}
-    done = subprocess.run(
-        [sys.executable, '-c', code], env=env | {'PYTHONPATH': path} | variables,
-        capture_output=True, text=True, timeout=120, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    return done.stdout.strip()
+PICK_BOTH = """
+import numpy as np, own_place, other_place
+print(own_place.pick(np.arange(3.0)), other_place.pick(np.arange(3.0)))
+"""
 
 
 def test_a_changed_constant_behind_a_module_or_an_enum_compiles_again(tmp_path):
-    """The kernel's own file keeps its text when a constant of another module changes."""
-    for place, factor, expected in [(1, 10.0, '10.0'), (1, 30.0, '30.0'), (2, 30.0, '60.0')]:
+    """The file of `other_place` keeps its text when an enum or a constant of another module changes."""
+    (tmp_path / 'other_place.py').write_text('from places_of_kernel import Place\n' + PICK)
+    for own, other, factor in [(1, 0, 10.0), (1, 0, 30.0), (2, 2, 30.0)]:
         (tmp_path / 'numbers_of_kernel.py').write_text(f'FACTOR = {factor}')
-        (tmp_path / 'some_kernel.py').write_text(MEMBER.format(place=place))
-        assert run(tmp_path, PICK) == expected
-    enum = 'from enum import IntEnum\nclass Place(IntEnum):\n    SECOND = {}\n'
-    source = MEMBER.replace('from enum import IntEnum', 'from places_of_kernel import Place')
-    source = source.replace('class Place(IntEnum):\n    SECOND = {place}\n', '')
-    (tmp_path / 'some_kernel.py').write_text(source)
-    for place, expected in [(0, '0.0'), (2, '60.0')]:
-        (tmp_path / 'places_of_kernel.py').write_text(enum.format(place))
-        assert run(tmp_path, PICK) == expected
+        (tmp_path / 'places_of_kernel.py').write_text(PLACE.format(other))
+        (tmp_path / 'own_place.py').write_text(PLACE.format(own) + PICK)
+        assert run(tmp_path, PICK_BOTH) == f'{own * factor} {other * factor}'
 
 
 def test_modules_and_kernels_of_the_same_name_keep_both(tmp_path):

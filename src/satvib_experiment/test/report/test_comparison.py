@@ -8,6 +8,7 @@ from satvib_common.errors import SatvibError
 from satvib_experiment.analysis.evaluation import evaluate
 from satvib_experiment.report.build import write_report
 from satvib_experiment.report.comparison import BESIDE, KINDS, row_of, simulated_rows
+from satvib_experiment.report.drawing import Drawing
 from satvib_experiment.scenario.scenario import load_scenario
 
 
@@ -48,7 +49,10 @@ def test_the_scenarios_beside_the_paper_have_its_disturbance_and_windows():
 def test_report_and_result_show_the_rows(quick_run, tmp_path):
     row = row_of(quick_run.scenario, evaluate(quick_run, None))
     report = write_report(
-        quick_run, tmp_path / 'report', beside=lambda: [row._replace(law='other')]
+        quick_run,
+        tmp_path / 'report',
+        Drawing(0),
+        beside=lambda: [row._replace(law='other')],
     )
     assert [shown['law'] for shown in report.result['comparison']] == ['model_reference', 'other']
     page = report.page.read_text()

@@ -14,6 +14,7 @@ from satvib_experiment.analysis.evaluation import evaluate
 from satvib_experiment.recording.bag_reader import read_recording
 from satvib_experiment.recording.load import load_recording
 from satvib_experiment.report.build import write_report
+from satvib_experiment.report.drawing import Drawing
 
 pytestmark = pytest.mark.filterwarnings('error')
 
@@ -27,7 +28,8 @@ def copy(quick_run, tmp_path):
 
 
 def reported(recording, folder):
-    report = write_report(recording, folder)
+    # drawn here, so that a warning of the drawing is an error
+    report = write_report(recording, folder, Drawing(0))
     result = json.loads((folder / 'result.json').read_text())
     assert report.page.is_file()
     return result

@@ -18,11 +18,24 @@ from satvib_experiment.report.build import write_report
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.drawing import Drawing
 from satvib_experiment.report.figures.registry import FIGURES
+from satvib_experiment.report.result import write_result
 
 
 @pytest.fixture(scope='module')
-def written(quick_run, tmp_path_factory):
-    return write_report(quick_run, tmp_path_factory.mktemp('report'))
+def made(quick_run, tmp_path_factory):
+    """A report, and what was there when its result was known: the result's format, the files of figures."""
+    folder, seen = tmp_path_factory.mktemp('report'), []
+    report = write_report(
+        quick_run,
+        folder,
+        analysed=lambda result: seen.append((result['format'], list(folder.rglob('*.png')))),
+    )
+    return report, seen
+
+
+@pytest.fixture(scope='module')
+def written(made):
+    return made[0]
 
 
 def refuse(constant):
@@ -109,7 +122,7 @@ def test_nothing_is_overwritten(written, quick_run):
 def test_a_bag_of_someone_else_gets_a_report_too(quick_run, bag_writer, tmp_path):
     """No scenario, no truth, no models. Truth: measured figures alone, and the page says what is missing."""
     bag = bag_writer(quick_run, tmp_path / 'bag', custom=False, groups=('acceleration', 'voltage'))
-    report = write_report(read_recording(bag), tmp_path / 'report')
+    report = write_report(read_recording(bag), tmp_path / 'report', Drawing(0))
     for strut in report.result['struts']:
         assert strut['attenuation']['true_rms'] is None
         assert np.isfinite(strut['attenuation']['measured_rms'])
@@ -141,10 +154,17 @@ def test_a_run_whose_rig_and_law_are_elsewhere_gets_its_report(quick_run, tmp_pa
             rig='/nowhere/rig.yaml', controller={'law': 'nowhere:Law'}
         ),
     )
-    report = write_report(away, tmp_path / 'report')
+    report = write_report(away, tmp_path / 'report', Drawing(0))
     here, _ = analyse(quick_run)
     for i, strut in enumerate(report.result['struts']):
         assert strut['attenuation']['true_rms'] == here.attenuation['true_rms'][i]
+
+
+def result_of(run, path, measured):
+    """What result.json holds of a run with these measurements."""
+    run = replace(run, groups=run.groups | {'acceleration': measured})
+    evaluation, open_loop = analyse(run)
+    return write_result(Context(run, open_loop, evaluation), path)
 
 
 def test_clipped_samples_are_a_finding(quick_run, tmp_path):
@@ -152,8 +172,7 @@ def test_clipped_samples_are_a_finding(quick_run, tmp_path):
     marks = np.zeros_like(quick_run.get('acceleration', 'upper_clipped'))
     marks[100:137, 1] = True
     measured = quick_run.groups['acceleration'] | {'upper_clipped': marks}
-    run = replace(quick_run, groups=quick_run.groups | {'acceleration': measured})
-    result = write_report(run, tmp_path / 'marked').result
+    result = result_of(quick_run, tmp_path / 'marked', measured)
     assert [s['clipped'] for s in result['struts']] == [
         {'upper': 0, 'lower': 0}, {'upper': 37, 'lower': 0}, {'upper': 0, 'lower': 0},
     ]  # fmt: skip
@@ -161,33 +180,23 @@ def test_clipped_samples_are_a_finding(quick_run, tmp_path):
     assert len(found) == 1
     assert 'upper sensor clipped at an end of its range: strut 2 37 of 400 samples' in found[0]
     older = {k: v for k, v in measured.items() if not k.endswith('_clipped')}
-    run = replace(quick_run, groups=quick_run.groups | {'acceleration': older})
-    assert [
-        s['clipped']['upper'] for s in write_report(run, tmp_path / 'old').result['struts']
-    ] == [0] * 3
+    result = result_of(quick_run, tmp_path / 'old', older)
+    assert [s['clipped']['upper'] for s in result['struts']] == [0] * 3
 
 
 def test_a_drawing_process_that_ends_costs_no_figure(quick_run, tmp_path):
     """Truth: the figures of an undisturbed report, drawn by this process instead."""
     evaluation, open_loop = analyse(quick_run)
-    context = Context(quick_run, open_loop, evaluation)
-    for name, count in (('here', 0), ('there', 1)):
-        (tmp_path / name).mkdir()
-        with Drawing(count) as drawing:
-            for process in drawing._processes:
-                process.kill()
-                process.wait()
-            drawn = drawing.draw(context, tmp_path / name)
-        assert [figure.name for figure in drawn] == [name for name, _ in FIGURES]
-        assert all(figure.path.stat().st_size > 10_000 for figure in drawn)
+    with Drawing(1) as drawing:
+        for process in drawing._processes:
+            process.kill()
+            process.wait()
+        drawn = drawing.draw(Context(quick_run, open_loop, evaluation), tmp_path)
+    assert [figure.name for figure in drawn] == [name for name, _ in FIGURES]
+    assert all(figure.path.stat().st_size > 10_000 for figure in drawn)
 
 
-def test_the_figures_are_drawn_after_the_result_is_known(quick_run, tmp_path):
+def test_the_figures_are_drawn_after_the_result_is_known(made):
     """Truth: the folder of the figures at the moment when the caller is told."""
-    seen = []
-    write_report(
-        quick_run,
-        tmp_path / 'report',
-        analysed=lambda result: seen.append((result['format'], list(tmp_path.rglob('*.png')))),
-    )
+    _, seen = made
     assert seen == [('satvib result 1', [])]
