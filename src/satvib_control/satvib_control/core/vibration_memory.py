@@ -68,6 +68,7 @@ class Slot(IntEnum):
     LOOKED = 27  # power under control after the last pause
     LOOK = 28  # 1 where the pause is for a doubt
     CHANGED = 29  # 1 where the level has changed since then; below 0: s until that is asked
+    NEARLY = 30  # how long it has been nearly loud
 
 
 class Setting(IntEnum):

@@ -12,6 +12,8 @@ LEVEL_TIME, QUICK_TIME = 0.5, 0.06  # s; two periods of the lowest tone that mat
 PAST_TIME, BASE_TIME = 1.0, 1.5  # s
 MOST = 4.0  # a level of 10 dB counts four times
 PATIENCE = 1.0  # s
+NEAR = 0.63  # of the limit of loud, -2 dB: what is between the samples may be the rest
+PATIENCE_NEAR = 3.0  # s, of RETURNING and ACTING
 PATIENCE_RETURNING = 1.0  # s; a quarter of that where it is 10 dB too loud
 FADE_TIME, RETURN_TIME = 0.1, 0.3  # s
 RING_TIME = 0.3  # s before the first block is compared
@@ -103,12 +105,24 @@ def _is_loud_for(memory, settings, patience):
 
 
 @njit
+def _is_nearly_loud_for(memory, settings):
+    """Count how long it has been nearly loud."""
+    limit = NEAR * _limit(memory[Slot.BASE], settings)
+    dt = settings[Setting.DT]
+    if memory[Slot.LEVEL] <= limit or memory[Slot.QUICK] <= limit:
+        memory[Slot.NEARLY] = max(memory[Slot.NEARLY] - dt, 0.0)
+    elif memory[Slot.QUICK] >= 0.5 * memory[Slot.LEVEL]:
+        memory[Slot.NEARLY] += dt
+    return memory[Slot.NEARLY] > PATIENCE_NEAR
+
+
+@njit
 def _pause(memory):
     """Begin a pause."""
     memory[Slot.BEFORE] = memory[Slot.LEVEL]
     memory[Slot.BLOCK] = memory[Slot.BLOCK_TIME] = 0.0
     memory[Slot.LAST_BLOCK] = np.inf
-    memory[Slot.STRUCK] = memory[Slot.PEACE] = 0.0
+    memory[Slot.STRUCK] = memory[Slot.PEACE] = memory[Slot.NEARLY] = 0.0
     memory[Slot.ACTED] = memory[Slot.STRANGE] = 0.0
     memory[Slot.PEEK] = Peek.NO.value
     memory[Slot.DOUBT] = memory[Slot.LOOK] = 0.0
@@ -132,6 +146,7 @@ def _act(memory, settings):
         memory[Slot.PEACE] = memory[Slot.PAUSES] = 0.0
         memory[Slot.STRIKES] = max(memory[Slot.STRIKES] - 1.0, 0.0)
     loud = _is_loud_for(memory, settings, PATIENCE)
+    loud = _is_nearly_loud_for(memory, settings) or loud
     loud = _is_unusual(memory, settings) or loud
     doubted = _is_doubted(memory, settings)
     if (loud or doubted) and memory[Slot.EFFORT] > EFFORT:
@@ -294,6 +309,7 @@ def _wait(memory, settings):
 def _return(memory, settings):
     """RETURNING: the voltage comes back; to be loud now is a strike."""
     memory[Slot.CLOCK] += settings[Setting.DT]
+    _is_nearly_loud_for(memory, settings)
     if _is_loud_for(memory, settings, PATIENCE_RETURNING) and memory[Slot.EFFORT] > EFFORT:
         verdict = _strike(memory)
         _pause(memory)
@@ -321,7 +337,7 @@ def _one(memory, settings, y, effort, acting, silent):
     state, verdict = int(memory[Slot.STATE]), Verdict.NONE
     if state == State.LISTENING:
         memory[Slot.DOUBT], memory[Slot.DOUBT_TIME] = 0.0, DOUBT
-        memory[Slot.CHANGED] = -FIRST_TIME
+        memory[Slot.CHANGED], memory[Slot.NEARLY] = -FIRST_TIME, 0.0
         _go(memory, State.ACTING)
     elif state == State.ACTING:
         verdict = _act(memory, settings)

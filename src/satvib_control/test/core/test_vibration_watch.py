@@ -229,6 +229,22 @@ def test_an_open_loop_that_falls_is_heard_again(settings, fall, above, rise):
     assert shares[-1] < 1.0
 
 
+@pytest.mark.parametrize('above', [3.2, 3.6, 3.9])
+def test_a_level_near_the_limit_is_not_heard_for_long(settings, above):
+    """From 8 s on the law is `above` dB over 0 V, below the limit of 4 dB; the rest of 6 dB is between the samples.
+
+    Truth: the amplitudes themselves. Promise: never longer than 5 s without 0 V. A base of a quarter of a second and
+    the ripple of the level at 9 Hz take up to 1 dB of the 2 dB below the limit.
+    """
+
+    def controlled(t):
+        return 10.0 ** ((-8.0 if t < 8.0 else above) / 20.0)
+
+    _, _, shares, _ = Strut(settings, lambda _: 1.0, controlled).run(60.0)
+    silent = np.flatnonzero(shares[int(8.0 * RATE) :] == 0.0)
+    assert np.max(np.diff(silent, prepend=0)) < 5.0 * RATE
+
+
 @pytest.mark.parametrize('level', [-1.0, -3.0, -6.0, -10.0])
 def test_a_level_that_stays_is_not_doubted(settings, level):
     """A law that calms by 1 to 10 dB, for a minute. Truth: nothing has changed, so its voltage is never taken off."""
