@@ -233,7 +233,7 @@ def test_an_open_loop_that_falls_is_heard_again(settings, fall, above, rise):
 def test_a_level_near_the_limit_is_not_heard_for_long(settings, above):
     """From 8 s on the law is `above` dB over 0 V, below the limit of 4 dB; the rest of 6 dB is between the samples.
 
-    Truth: the amplitudes themselves. Promise: never longer than 5 s without 0 V. A base of a quarter of a second and
+    Truth: the amplitudes themselves. Promise: the whole voltage for 5 s at most. A base of a quarter of a second and
     the ripple of the level at 9 Hz take up to 1 dB of the 2 dB below the limit.
     """
 
@@ -241,8 +241,8 @@ def test_a_level_near_the_limit_is_not_heard_for_long(settings, above):
         return 10.0 ** ((-8.0 if t < 8.0 else above) / 20.0)
 
     _, _, shares, _ = Strut(settings, lambda _: 1.0, controlled).run(60.0)
-    silent = np.flatnonzero(shares[int(8.0 * RATE) :] == 0.0)
-    assert np.max(np.diff(silent, prepend=0)) < 5.0 * RATE
+    less = np.flatnonzero(shares[int(8.0 * RATE) :] < 1.0)
+    assert np.max(np.diff(less, prepend=0)) < 5.0 * RATE
 
 
 @pytest.mark.parametrize('level', [-1.0, -3.0, -6.0, -10.0])
