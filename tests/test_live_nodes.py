@@ -87,13 +87,16 @@ def test_parameters_are_checked_as_a_whole_and_applied(start, probe):
     assert 'voltage_limit' in reason
     done, reason = put('sample_rate', 500.0)
     assert not done
-    assert 'read-only' in reason
+    assert reason == (
+        'sample_rate is read-only: the other nodes of the graph rely on the same value'
+    )
     assert get('voltage_limit') == 15.0
     request = DescribeParameters.Request(names=['voltage_limit', 'sample_rate'])
     limit, rate = probe.call(DescribeParameters, f'{node}/describe_parameters', request).descriptors
     assert limit.description.endswith('[V]')
     assert limit.floating_point_range[0].from_value == 0.0
     assert (limit.read_only, rate.read_only) == (False, True)
+    assert 'read-only: the other nodes' in rate.additional_constraints
 
 
 def test_signals_end_every_node_cleanly(start, probe, tmp_path):

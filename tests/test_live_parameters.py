@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What `ros2 param` asks of a node, over its services: dump, load and describe give every parameter of every node."""
 
+import math
+
+import numpy as np
 import pytest
 import yaml
 
@@ -50,48 +53,121 @@ def test_a_dump_is_whole_and_can_be_loaded(start, probe, name):
     assert dump(probe, f'/two/{name}') == first
 
 
-def test_a_gain_is_set_in_control_without_a_jump(start, probe):
-    """Truth: the core of a controller, told the same samples and, at the same sample, the same gain; every bit.
+RATE = 100.0
+# a strut with a mode at 8 Hz, V to m/s^2
+MODEL = {'a': [-1.6, 0.85], 'b': [0.05, -0.05], 'delay': 1}
+LAWS = {
+    'velocity_feedback': ({'velocity_gain': 30.0}, {'velocity_gain': 45.0}, 1.5),
+    'model_reference': ({'adapted_gains': [], 'gain_i': 20.0}, {'gain_i': 30.0}, 1.5),
+    'narrowband': ({}, {'narrowband_settling': 0.3}, None),
+    'feedforward': (
+        {'feedforward_method': 'fxlms', 'feedforward_struts': 1},
+        {'feedforward_step': 0.4},
+        None,
+    ),
+}
 
-    The law is linear in its gain, so at the sample of the change its voltage is 1.5 times that of a core that was not
-    told; relative tolerance 1e-12 for the rounding of the product.
-    """
-    import math
 
+class Strut:
+    """y = d + G u: the strut that answers the voltages, shaken by a tone."""
+
+    def __init__(self):
+        self.moved, self.volts = [0.0, 0.0], [0.0, 0.0]
+
+    def sample(self, k):
+        """Upper and lower acceleration, m/s^2."""
+        a, b = MODEL['a'], MODEL['b']
+        x, u = self.moved[::-1], self.volts[::-1]
+        self.moved = [x[0], b[0] * u[0] + b[1] * u[1] - a[0] * x[0] - a[1] * x[1]]
+        return 0.5 * math.sin(0.6 * k) + self.moved[-1], 0.8 * math.sin(0.6 * k + 0.4)
+
+    def answer(self, voltage):
+        self.volts = [self.volts[-1], voltage]
+
+
+def set_double(probe, node, name, value):
+    """Set one parameter, as `ros2 param set` does."""
     from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
     from rcl_interfaces.srv import SetParameters
+
+    number = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
+    request = SetParameters.Request(parameters=[Parameter(name=name, value=number)])
+    result = probe.call(SetParameters, f'{node}/set_parameters', request).results[0]
+    assert result.successful, result.reason
+
+
+def give_model(probe):
+    """Publish a trusted model of sample 0. The node has it when this returns, for it works on what comes in order."""
+    from rclpy.duration import Duration
+
+    from satvib_msgs.msg import IirParameters
+
+    publisher = probe.publisher(IirParameters, '/strut_1/identified_model')
+    probe.wait(lambda: publisher.get_subscription_count() == 1)
+    count = len(MODEL['a']) + len(MODEL['b'])
+    message = IirParameters(
+        sample_period=1.0 / RATE, converged=True, covariance=[0.0] * count**2, bias=math.nan,
+        bias_lower=math.nan, **MODEL,
+    )  # fmt: skip
+    publisher.publish(message)
+    assert publisher.wait_for_all_acked(Duration(seconds=30))
+    assert probe.state_of('/strut_1/strut_controller') == 'active'
+
+
+@pytest.mark.parametrize('name', LAWS)
+def test_a_setting_of_each_law_is_taken_in_control_without_a_jump(start, probe, name):
+    """Truth: a core in this process, told the same samples, model and setting at the same sample; every bit.
+
+    Another core is not told. At the sample of the change the voltage differs from its by the ratio of the gains
+    (relative tolerance 1e-12 for rounding); by less than 1 % of the largest voltage where the setting is no gain.
+    """
     from satvib_common.phases import Phase, PhasePlan
+    from satvib_ident.models.iir_model import IirModel
 
     from satvib_control import ControllerCore, ControllerParameters
     from satvib_msgs.msg import StrutAcceleration, VcaVoltage
 
-    law = {'law': 'velocity_feedback', 'velocity_gain': 30.0, 'control_at_start': True, 'struts': 1}
-    process = start('satvib_control', 'strut_controller', '/strut_1', **law)
+    old, new, ratio = LAWS[name]
+    given = {'law': name, 'control_at_start': True, 'struts': 1, **old}
+    p = ControllerParameters.from_mapping(given)
+    process = start('satvib_control', 'strut_controller', '/strut_1', **given)
     voltages = probe.collect(VcaVoltage, '/strut_1/voltage')
     samples = probe.publisher(StrutAcceleration, '/strut_1/acceleration')
     probe.wait(lambda: samples.get_subscription_count() == 1)
-    told, untold = (ControllerCore(ControllerParameters(**law)) for _ in range(2))
+    give_model(probe)
+    told, untold = (ControllerCore(p) for _ in range(2))
+    count = len(MODEL['a']) + len(MODEL['b'])
+    model = IirModel(np.array(MODEL['a']), np.array(MODEL['b']), MODEL['delay'], 1.0 / RATE)
+    for core in (told, untold):
+        core.set_model(model, covariance=np.zeros((count, count)))
     plan = PhasePlan((Phase.CONTROL,), (0,))
-    for k in range(200):
-        if k == 100:
-            value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=45.0)
-            request = SetParameters.Request(
-                parameters=[Parameter(name='velocity_gain', value=value)]
-            )
-            service = '/strut_1/strut_controller/set_parameters'
-            assert probe.call(SetParameters, service, request).results[0].successful
-            told.apply(ControllerParameters(**law | {'velocity_gain': 45.0}))
-        upper = 0.05 * math.sin(0.3 * k)
-        samples.publish(StrutAcceleration(sequence=k, sample_period=0.01, upper=upper, lower=upper))
+    strut, largest, change, differs = Strut(), 0.0, 500, False
+    for k in range(1, 700):
+        if k == change:
+            for parameter, value in new.items():
+                set_double(probe, '/strut_1/strut_controller', parameter, value)
+            told.apply(p.replace(**new))
+        upper, lower = strut.sample(k)
+        message = StrutAcceleration(sequence=k, sample_period=0.01, upper=upper, lower=lower)
+        samples.publish(message)
         found = probe.wait(
-            lambda k=k: next((v for v in reversed(voltages) if v.sequence == k), None)
+            lambda k=k: voltages[-1] if voltages and voltages[-1].sequence == k else None
         )
         expected, other = (
-            float(core.step(k, plan, upper, upper).voltage) for core in (told, untold)
+            float(core.step(k, plan, upper, lower).voltage) for core in (told, untold)
         )
         assert found.voltage == expected
         assert not found.fault
-        if k == 100:
+        strut.answer(found.voltage)
+        if k == change and ratio:
             assert abs(other) > 1e-3
-            assert found.voltage == pytest.approx(1.5 * other, rel=1e-12)
+            assert found.voltage == pytest.approx(ratio * other, rel=1e-12)
+        elif k == change:
+            assert abs(found.voltage - other) < 0.01 * largest
+        largest = max(largest, abs(expected))
+        differs = differs or expected != other
+    assert differs  # it was taken
+    assert largest > 0.01
+    line = 'sample 1: model of sample 0 taken: 2 poles, 2 coefficients, delay 1, trusted'
+    assert process.said.count(line) == 1
     assert process.popen.poll() is None

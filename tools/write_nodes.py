@@ -259,7 +259,7 @@ def parameters(entry: Entry) -> list[str]:
         c = constraint_of(field)
         missing = field.default is dataclasses.MISSING
         default = 'must be given' if missing else f'`{plain(field.default, hints[field.name])}`'
-        live = 'no' if c.read_only else 'yes'
+        live = f'no: {c.read_only}' if c.read_only else 'yes'
         what = c.description.replace('|', '\\|').replace('\n', ' ')
         rows.append(f'| `{field.name}` | {default} | {c.unit} | {limits(c)} | {live} | {what} |')
     return rows

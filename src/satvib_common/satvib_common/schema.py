@@ -18,6 +18,7 @@ import types
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from functools import lru_cache
 from typing import Any, Self
 
@@ -35,9 +36,24 @@ def shown(value: Any) -> str:
     return _SHORT.repr(value)
 
 
+class Fixed(StrEnum):
+    """Why a parameter of a node is read-only."""
+
+    RIG = 'it describes the rig, which stays as it is while a node runs'
+    MODEL = 'what is designed from the identified model depends on it'
+    MEMORY = 'what is kept from sample to sample is laid out for it'
+    ESTIMATE = 'the estimate so far rests on it'
+    GRAPH = 'the other nodes of the graph rely on the same value'
+    START = 'it is used once, at the start of the node'
+    PROTECTION = 'it belongs to a protection, which is not changed while it is needed'
+
+
 @dataclass(frozen=True)
 class Constraint:
-    """What a field may hold; bounds hold for every element of a sequence."""
+    """What a field may hold; bounds hold for every element of a sequence.
+
+    `read_only` says why a running node does not take another value, as a `Fixed` or in words; empty: it does.
+    """
 
     description: str
     unit: str = ''
@@ -46,7 +62,7 @@ class Constraint:
     above: float | None = None
     below: float | None = None
     choices: tuple[Any, ...] | None = None
-    read_only: bool = False
+    read_only: str = ''
     finite: bool = True
 
     def complaint(self, value: Any) -> str | None:

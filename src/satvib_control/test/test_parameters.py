@@ -19,8 +19,10 @@ KNOWN = load_yaml(Path(__file__).with_name('ros_parameters.yaml'))
 def description(field, hint):
     """What `ros2 param describe` says of a parameter, without its text."""
     constraint = dataclasses.asdict(constraint_of(field))
-    text = constraint.pop('description')
+    text, why = constraint.pop('description'), constraint['read_only']
     assert text, f'{field.name} has no description'
+    assert isinstance(why, str), f'{field.name}: read_only says why, in words'
+    constraint['read_only'] = bool(why)
     found = {'type': str(hint) if typing.get_origin(hint) else hint.__name__}
     found['default'] = list(field.default) if isinstance(field.default, tuple) else field.default
     for name, value in constraint.items():

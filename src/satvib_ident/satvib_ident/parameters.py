@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from satvib_common.errors import SatvibError
 from satvib_common.parameters import LoopParameters
 from satvib_common.phases import Phase
-from satvib_common.schema import param
+from satvib_common.schema import Fixed, param
 
 ESTIMATORS = (
     'least_squares',
@@ -33,15 +33,19 @@ BIAS = ('calibrate', 'none')
 class IdentifierParameters(LoopParameters):
     """Orders, estimator, forgetting, bias and what counts as trust."""
 
-    poles: int = param(2, 'past outputs in the model, n', minimum=1, maximum=20, read_only=True)
-    coefficients: int = param(3, 'inputs in the model, m', minimum=1, maximum=20, read_only=True)
+    poles: int = param(
+        2, 'past outputs in the model, n', minimum=1, maximum=20, read_only=Fixed.MEMORY
+    )
+    coefficients: int = param(
+        3, 'inputs in the model, m', minimum=1, maximum=20, read_only=Fixed.MEMORY
+    )
     delay: int = param(
         1,
         'samples between a voltage and the first acceleration that sees it',
         unit='samples',
         minimum=0,
         maximum=100,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     estimator: str = param(
         'least_squares',
@@ -49,115 +53,133 @@ class IdentifierParameters(LoopParameters):
         '(instrumental variable: free of bias from sensor noise); continuous_gradient, '
         'continuous_least_squares (Eqs. 16, 17), continuous_normalized (Eq. 18)',
         choices=ESTIMATORS,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     noise_coefficients: int = param(
         2, 'coefficients of the noise model, c (extended, instrumental)', minimum=1, maximum=20,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )  # fmt: skip
     filter_corner: float = param(
         10.0, 'continuous_*: corner of the state-variable filters', unit='Hz', above=0.0,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )  # fmt: skip
-    gain: float = param(1.0, 'continuous_*: gain g of Eq. (18)', above=0.0, read_only=True)
+    gain: float = param(
+        1.0, 'continuous_*: gain g of Eq. (18)', above=0.0, read_only=Fixed.ESTIMATE
+    )
     normalization: float = param(
-        1.0, 'continuous_normalized: mu of Eq. (18)', minimum=0.0, read_only=True
+        1.0, 'continuous_normalized: mu of Eq. (18)', minimum=0.0, read_only=Fixed.ESTIMATE
     )
     initial_covariance: float = param(
         1e18, 'diagonal of P(0) per unit of noise variance; large: the data alone decide', above=0.0,
-        maximum=1e30, read_only=True,
+        maximum=1e30, read_only=Fixed.ESTIMATE,
     )  # fmt: skip
     covariance_limit: float = param(
-        1e6, 'largest trace of P that forgetting may reach', above=0.0, maximum=1e30, read_only=True
+        1e6,
+        'largest trace of P that forgetting may reach',
+        above=0.0,
+        maximum=1e30,
+        read_only=Fixed.ESTIMATE,
     )
     initial_theta: tuple[float, ...] = param(
-        (), 'estimate to start from, a then b; empty: zeros', read_only=True
+        (), 'estimate to start from, a then b; empty: zeros', read_only=Fixed.ESTIMATE
     )
 
-    forgetting: str = param('none', 'rule for old data', choices=FORGETTING, read_only=True)
+    forgetting: str = param(
+        'none', 'rule for old data', choices=FORGETTING, read_only=Fixed.ESTIMATE
+    )
     forgetting_factor: float = param(
         0.99,
         'lambda of exponential and directional forgetting: weight of a sample relative to the next',
         above=0.0,
         maximum=1.0,
-        read_only=True,
+        read_only=Fixed.ESTIMATE,
     )
     regressor_floor: float = param(
         0.0, 'a sample whose regressor is shorter than this (m/s^2 and V mixed) is left out; for '
         'directional also the RMS up to which a direction is not forgotten; 0: the length that the noise of '
         'CALIBRATE exceeds once in a million samples (for a direction: twice its deviation), if '
         'anything is forgotten',
-        minimum=0.0, read_only=True,
+        minimum=0.0, read_only=Fixed.ESTIMATE,
     )  # fmt: skip
     short_window: int = param(
         20, 'variable_rate and directional: the recent errors', unit='samples', minimum=1, maximum=100000,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )  # fmt: skip
     long_window: int = param(
         100, 'variable_rate and directional: the errors before those', unit='samples', minimum=1, maximum=100000,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )  # fmt: skip
     confidence: float = param(
         0.999, 'variable_rate and directional: probability to forget nothing while nothing changes', above=0.0,
-        below=1.0, read_only=True,
+        below=1.0, read_only=Fixed.ESTIMATE,
     )  # fmt: skip
     forgetting_rate: float = param(
         1.0,
         'variable_rate and directional: eta, how fast to forget after a change',
         minimum=0.0,
-        read_only=True,
+        read_only=Fixed.ESTIMATE,
     )
     forgetting_smallest: float = param(
         0.5, 'variable_rate and directional: smallest lambda after a change', above=0.0, maximum=1.0,
-        read_only=True,
+        read_only=Fixed.ESTIMATE,
     )  # fmt: skip
     error_floor: float = param(
         1e-6, 'variable_rate and directional: errors below this count as this', unit='m/s^2', above=0.0,
-        read_only=True,
+        read_only=Fixed.ESTIMATE,
     )  # fmt: skip
     reset_threshold: float = param(
         1e-4, 'resetting: P is reset when its smallest eigenvalue is below', above=0.0,
-        read_only=True,
+        read_only=Fixed.ESTIMATE,
     )  # fmt: skip
     reset_covariance: float = param(
-        1.0, 'resetting: diagonal of P after a reset', above=0.0, read_only=True
+        1.0, 'resetting: diagonal of P after a reset', above=0.0, read_only=Fixed.ESTIMATE
     )
     dead_zone: float = param(
-        0.3, 'dead_zone: errors up to this are left out', unit='m/s^2', minimum=0.0, read_only=True
+        0.3,
+        'dead_zone: errors up to this are left out',
+        unit='m/s^2',
+        minimum=0.0,
+        read_only=Fixed.ESTIMATE,
     )
     window: int = param(
         200, 'window: the samples that count', unit='samples', minimum=1, maximum=100000,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )  # fmt: skip
 
     estimate_in: tuple[str, ...] = param(
         ('IDENTIFY',), 'phases in which the estimate is updated',
-        choices=tuple(phase.name for phase in Phase), read_only=True,
+        choices=tuple(phase.name for phase in Phase), read_only=Fixed.ESTIMATE,
     )  # fmt: skip
     input_floor: float = param(
-        1e-6, 'a voltage up to this is no excitation', unit='V', minimum=0.0, read_only=True
+        1e-6,
+        'a voltage up to this is no excitation',
+        unit='V',
+        minimum=0.0,
+        read_only=Fixed.ESTIMATE,
     )
     input_hold: float = param(
         0.5, 'samples count for this long after the last excitation; later ones hold noise alone',
-        unit='s', minimum=0.0, read_only=True,
+        unit='s', minimum=0.0, read_only=Fixed.ESTIMATE,
     )  # fmt: skip
     bias: str = param(
         'calibrate', 'the upper sensor: calibrate (mean over CALIBRATE is taken off) or none',
-        choices=BIAS, read_only=True,
+        choices=BIAS, read_only=Fixed.ESTIMATE,
     )  # fmt: skip
 
     measure_period: int = param(
         0, 'samples between evaluations of the measures of trust; 0: those of 0.05 s',
-        unit='samples', minimum=0, read_only=True,
+        unit='samples', minimum=0, read_only=Fixed.MEMORY,
     )  # fmt: skip
     measure_window: int = param(
         0, 'samples that excitation order, whiteness and residual are looked at; 0: those of 2 s',
-        unit='samples', minimum=0, maximum=1000000, read_only=True,
+        unit='samples', minimum=0, maximum=1000000, read_only=Fixed.MEMORY,
     )  # fmt: skip
-    whiteness_lags: int = param(10, 'lags of the whiteness test, h', minimum=1, read_only=True)
+    whiteness_lags: int = param(
+        10, 'lags of the whiteness test, h', minimum=1, read_only=Fixed.MEMORY
+    )
     error_lags: int = param(
         0, 'length of the filter that looks for the input in the residual; 0: the samples of 0.2 s, '
-        '10 to 100', unit='samples', minimum=0, maximum=1000, read_only=True,
+        '10 to 100', unit='samples', minimum=0, maximum=1000, read_only=Fixed.MEMORY,
     )  # fmt: skip
     trust_samples: int = param(10, 'samples per parameter that a trusted model needs', minimum=1)
     trust_pole_modulus: float = param(
@@ -168,7 +190,7 @@ class IdentifierParameters(LoopParameters):
     )
     trust_band: tuple[float, ...] = param(
         (5.0, 20.0), 'band in which the response of a trusted model is known', unit='Hz', above=0.0,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )  # fmt: skip
     trust_deviation: float = param(
         0.25, 'relative deviation of that response that a trusted model stays below', above=0.0

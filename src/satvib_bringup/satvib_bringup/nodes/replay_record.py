@@ -14,7 +14,7 @@ from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.records.record import is_text, text_record
-from satvib_common.schema import Schema, param
+from satvib_common.schema import Fixed, Schema, param
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,32 +22,39 @@ class ReplayParameters(Schema):
     """Which record, and how fast."""
 
     file: str = param(
-        '', 'text file of columns (CSV, TSV, DAT, LVM ...), or a bag of satvib', read_only=True
+        '',
+        'text file of columns (CSV, TSV, DAT, LVM ...), or a bag of satvib',
+        read_only=Fixed.START,
     )
-    input: str = param('input', 'CSV: column of the input (voltage)', read_only=True)
-    output: str = param('output', 'CSV: column of the output (upper acceleration)', read_only=True)
+    input: str = param('input', 'CSV: column of the input (voltage)', read_only=Fixed.START)
+    output: str = param(
+        'output', 'CSV: column of the output (upper acceleration)', read_only=Fixed.START
+    )
     strut: str = param(
         'strut_1',
         'strut as which it is published; of a bag, the strut that is read',
-        read_only=True,
+        read_only=Fixed.START,
     )
     sample_rate: float = param(
         100.0, 'sample rate of a CSV record; a bag knows its own', unit='Hz', above=0.0,
-        read_only=True,
+        read_only=Fixed.START,
     )  # fmt: skip
     speed: float = param(
         0.0,
         'times real time; 0: as fast as the identifier follows',
         minimum=0.0,
         maximum=1e4,
-        read_only=True,
+        read_only=Fixed.START,
     )
     window: int = param(
         200, 'samples that may be ahead of the identifier at speed 0', minimum=1, maximum=900,
-        read_only=True,
+        read_only=Fixed.START,
     )  # fmt: skip
     phase: str = param(
-        'IDENTIFY', 'phase of all samples', choices=tuple(p.name for p in Phase), read_only=True
+        'IDENTIFY',
+        'phase of all samples',
+        choices=tuple(p.name for p in Phase),
+        read_only=Fixed.START,
     )
 
     def check(self) -> None:

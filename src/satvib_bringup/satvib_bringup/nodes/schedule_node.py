@@ -15,7 +15,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import offered
-from satvib_common.schema import Schema, param
+from satvib_common.schema import Fixed, Schema, param
 from satvib_experiment.scenario.scenario import load_scenario
 
 from satvib_bringup.live.discovery import REPORTS, Discovery
@@ -31,18 +31,20 @@ _LOOK = 0.05  # s
 class ScheduleParameters(Schema):
     """Which scenario."""
 
-    scenario: str = param('paper_3dof', 'name of a scenario, or path of its file', read_only=True)
-    overrides: tuple[str, ...] = param((), "changes, each 'key=value'", read_only=True)
+    scenario: str = param(
+        'paper_3dof', 'name of a scenario, or path of its file', read_only=Fixed.START
+    )
+    overrides: tuple[str, ...] = param((), "changes, each 'key=value'", read_only=Fixed.START)
     realtime: bool = param(
-        False, 'wait until the nodes of the scenario have found one another', read_only=True
+        False, 'wait until the nodes of the scenario have found one another', read_only=Fixed.START
     )
     composition: str = param(
-        '', 'how the nodes share processes; empty: as the scenario says', read_only=True
+        '', 'how the nodes share processes; empty: as the scenario says', read_only=Fixed.START
     )
     channels: str = param(
-        '', 'on real hardware: path of the channels file; empty: simulation', read_only=True
+        '', 'on real hardware: path of the channels file; empty: simulation', read_only=Fixed.START
     )
-    recorded: bool = param(False, 'with realtime: a recorder is one of them', read_only=True)
+    recorded: bool = param(False, 'with realtime: a recorder is one of them', read_only=Fixed.START)
 
 
 class ScheduleNode(SatvibNode[ScheduleParameters]):

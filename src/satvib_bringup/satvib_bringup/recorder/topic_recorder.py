@@ -14,7 +14,7 @@ from rosbags.interfaces import (
     QosTime,
 )
 from satvib_common.errors import SatvibError
-from satvib_common.schema import Schema, param
+from satvib_common.schema import Fixed, Schema, param
 from satvib_common.sequence import SequenceTracker
 
 from satvib_bringup.recorder.bag_sink import Channel
@@ -28,21 +28,27 @@ _FOR_EVER = QosTime(9223372036, 854775807)
 class RecorderParameters(Schema):
     """Where to, and what for."""
 
-    folder: str = param('', 'folder of the bag; empty: satvib-<date>-<time> here', read_only=True)
+    folder: str = param(
+        '', 'folder of the bag; empty: satvib-<date>-<time> here', read_only=Fixed.START
+    )
     struts: tuple[str, ...] = param(
-        (), 'names of the struts; empty: as the schedule says', read_only=True
+        (), 'names of the struts; empty: as the schedule says', read_only=Fixed.START
     )
     depth: int = param(
-        20000, 'messages per topic that may wait for this node', minimum=1, read_only=True
+        20000, 'messages per topic that may wait for this node', minimum=1, read_only=Fixed.START
     )
     lockstep: bool = param(
         False,
         'nothing is in a hurry, so this process does not step back for others',
-        read_only=True,
+        read_only=Fixed.START,
     )
-    report: str = param('', 'JSON file for what was written and lost; empty: none', read_only=True)
-    custom_keys: tuple[str, ...] = param((), 'names of texts stored in the bag', read_only=True)
-    custom_values: tuple[str, ...] = param((), 'those texts', read_only=True)
+    report: str = param(
+        '', 'JSON file for what was written and lost; empty: none', read_only=Fixed.START
+    )
+    custom_keys: tuple[str, ...] = param(
+        (), 'names of texts stored in the bag', read_only=Fixed.START
+    )
+    custom_values: tuple[str, ...] = param((), 'those texts', read_only=Fixed.START)
 
     def check(self) -> None:
         """Every text has a name."""

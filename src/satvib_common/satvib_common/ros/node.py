@@ -18,29 +18,28 @@ traceback.
 from collections.abc import Callable
 from typing import Any, Generic, TypeVar
 
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
 from rclpy.timer import Timer
 from std_srvs.srv import Trigger
 
 from satvib_common.errors import RunError, SatvibError
-from satvib_common.realtime import tidy_memory
 from satvib_common.ros.delivery.endpoints import Input, Output
-from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF, Diagnostics
 from satvib_common.ros.names import shared, strut_of
 from satvib_common.ros.parameters import NodeParameters
 from satvib_common.ros.place import place_of_node
 from satvib_common.ros.qos import offered, overridable
+from satvib_common.ros.reporting import Reporting
 from satvib_common.schema import Schema
 
 P = TypeVar('P', bound=Schema)
 
 # s, how long a node that is told to stop still works on what it has received
 DRAIN = 10.0
-# s and times: how often a young node looks whether it has found others
-_LOOK, _LOOKS = 0.1, 300
 
 
 class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
@@ -72,8 +71,6 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         self.failure: Exception | None = None
         self._readers: list[Input] = []
         self._writers: list[Output] = []
-        self._found: dict[str, object] = {}
-        self._looks = 0
         self._timers_made: list[Timer] = []
         self._services_made: list[Any] = []
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -110,6 +107,19 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
     def diagnose(self) -> tuple[str, dict[str, Any]]:
         """Give a complaint (empty when there is none) and figures for people."""
         return '', {}
+
+    def awaits(self) -> str:
+        """What the node cannot go on without and has not got, as the end of "waits for ..."; empty: nothing."""
+        return ''
+
+    def report_state(self) -> None:
+        """Publish the state on /diagnostics."""
+        reporting = self.reporting
+        complaint, figures = self.diagnose()
+        if reporting.awaited:
+            complaint = complaint or f'waits for {reporting.awaited}'
+        figures |= reporting.connections()
+        reporting.diagnostics.publish(self.active, complaint, figures, failed=self.is_at_fault())
 
     def is_at_fault(self) -> bool:
         """Whether the complaint is a fault: an ERROR on /diagnostics, not a WARN."""
@@ -246,6 +256,15 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         """Publishers whose messages should arrive before the process ends."""
         return self._writers
 
+    def readers(self) -> list[Input]:
+        """Subscriptions of now."""
+        return self._readers
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """As rclpy does; the refusal of a read-only parameter says why."""
+        result = super().set_parameters_atomically(parameter_list)
+        return self._settings.explain(result, parameter_list)
+
     # ---- lifecycle
 
     def configure_now(self) -> None:
@@ -329,10 +348,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         self.configured = True
         self.offer('stop')
         self.offer('reset')
-        self._diagnostics = Diagnostics(self)
-        self.every(1.0, self._report)
-        self._looks = 0
-        self._looking = self.every(_LOOK, self._look_around)
+        self.reporting = Reporting(self)
 
     def _rest(self) -> None:
         if self.active:
@@ -345,7 +361,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
     def _release(self) -> None:
         if self.configured:
             self.cleanup()
-            self._diagnostics.close()
+            self.reporting.diagnostics.close()
         self.configured = False
         for timer in self._timers_made:
             self.destroy_timer(timer)
@@ -370,29 +386,6 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
             return response
 
         return answer
-
-    def _report(self) -> None:
-        complaint, figures = self.diagnose()
-        figures |= self._connections()
-        self._diagnostics.publish(self.active, complaint, figures, failed=self.is_at_fault())
-        tidy_memory()
-
-    def _look_around(self) -> None:
-        """Report at once when others have been found: a run begins when everybody has."""
-        self._looks += 1
-        found = self._found
-        if self._looks < _LOOKS:
-            found = self._connections() | {'': self._diagnostics.readers()}
-        if found != self._found:
-            self._found = found
-            self._report()
-        elif self._looks == _LOOKS:
-            self._looking.cancel()
-
-    def _connections(self) -> dict[str, Any]:
-        """Count the readers and writers that are connected; the graph lists them before they are."""
-        found = {READERS_OF + w.topic_name: w.get_subscription_count() for w in self._writers}
-        return found | {WRITERS_OF + r.topic_name: r.get_publisher_count() for r in self._readers}
 
     def _settings_changed(self, parameters: P) -> None:
         if self.configured:

@@ -10,7 +10,7 @@ nothing changes.
 import difflib
 import math
 import typing
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import MISSING, Field, fields
 from typing import Any, Generic, TypeVar
 
@@ -71,12 +71,25 @@ class NodeParameters(Generic[S]):
         self._schema = schema
         self._changed = changed
         self._names = {field.name for field in fields(schema)}
+        self._read_only = {
+            field.name: why for field in fields(schema) if (why := constraint_of(field).read_only)
+        }
         self._warn_unknown(node)
         hints = typing.get_type_hints(schema)
         given = {f.name: _declared(node, f, hints[f.name]) for f in fields(schema)}
         self.value = schema.from_mapping({k: v for k, v in given.items() if v is not None})
         node.add_on_set_parameters_callback(self._validate)
         node.add_post_set_parameters_callback(self._apply)
+
+    def explain(
+        self, result: SetParametersResult, parameters: Iterable[Parameter]
+    ) -> SetParametersResult:
+        """Say why, where a result is the refusal of a read-only parameter, for which rclpy asks nobody."""
+        for parameter in parameters:
+            name, why = parameter.name, self._read_only.get(parameter.name)
+            if why and not result.successful and name in result.reason:
+                result.reason = f'{name} is read-only: {why}'
+        return result
 
     def _with(self, parameters: list[Parameter]) -> S:
         changes = {p.name: p.value for p in parameters if p.name in self._names}
@@ -150,7 +163,7 @@ def describe(field: Field[Any], kind: Parameter.Type) -> ParameterDescriptor:
     descriptor = ParameterDescriptor(
         name=field.name,
         description=f'{constraint.description}{unit}',
-        read_only=constraint.read_only,
+        read_only=bool(constraint.read_only),
         additional_constraints=_in_words(field),
     )
     low = constraint.minimum if constraint.minimum is not None else constraint.above
@@ -184,4 +197,6 @@ def _in_words(field: Field[Any]) -> str:
         words.append(f'above {constraint.above:g}')
     if constraint.below is not None:
         words.append(f'below {constraint.below:g}')
+    if constraint.read_only:
+        words.append(f'read-only: {constraint.read_only}')
     return '; '.join(words)

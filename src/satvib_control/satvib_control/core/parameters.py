@@ -5,7 +5,7 @@
 from dataclasses import dataclass
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import param
+from satvib_common.schema import Fixed, param
 
 from satvib_control.laws.parameters import LawParameters
 
@@ -19,7 +19,7 @@ class CoreParameters(LawParameters):
         'largest rate of change of the voltage; 0: none',
         unit='V/s',
         minimum=0.0,
-        read_only=True,
+        read_only=Fixed.PROTECTION,
     )
     switch_on_time: float = param(
         0.2,
@@ -54,10 +54,10 @@ class CoreParameters(LawParameters):
         'share of clipped samples of the upper sensor, over about a second, above which the law is taken off; 1: never',
         above=0.0,
         maximum=1.0,
-        read_only=True,
+        read_only=Fixed.PROTECTION,
     )
     rms_window: float = param(
-        1.0, 'window of the running RMS', unit='s', above=0.0, maximum=600.0, read_only=True
+        1.0, 'window of the running RMS', unit='s', above=0.0, maximum=600.0, read_only=Fixed.MEMORY
     )
     watch_loudness: float = param(
         4.0,
@@ -65,7 +65,7 @@ class CoreParameters(LawParameters):
         unit='dB',
         minimum=1.0,
         maximum=1000.0,
-        read_only=True,
+        read_only=Fixed.PROTECTION,
     )
     dither: float = param(
         0.0,
@@ -73,34 +73,34 @@ class CoreParameters(LawParameters):
         '`estimate_in` learns a rig that changes; 0: none',
         unit='V',
         minimum=0.0,
-        read_only=True,
+        read_only=Fixed.START,
     )
     supervised: bool = param(
         False,
         'in lockstep, wait for the judgement of the supervisor at its checks; in real time a strut '
         'never waits for it',
-        read_only=True,
+        read_only=Fixed.GRAPH,
     )
     watch_floor: float = param(
         0.1,
         'vibration below which no law is checked as its possible cause',
         unit='m/s^2',
         minimum=0.0,
-        read_only=True,
+        read_only=Fixed.PROTECTION,
     )
-    excitation: str = param('squares', 'signal of IDENTIFY, by its name', read_only=True)
+    excitation: str = param('squares', 'signal of IDENTIFY, by its name', read_only=Fixed.START)
     excitation_amplitude: float = param(
-        10.0, 'largest voltage of the excitation', unit='V', minimum=0.0, read_only=True
+        10.0, 'largest voltage of the excitation', unit='V', minimum=0.0, read_only=Fixed.START
     )
     excitation_frequencies: tuple[float, ...] = param(
         (1.0, 2.0), 'frequencies of the excitation; those of the paper', unit='Hz', above=0.0,
-        read_only=True,
+        read_only=Fixed.START,
     )  # fmt: skip
 
     control_at_start: bool = param(
         False,
         'CONTROL from the first sample on while there is no schedule; false: STANDBY, which is 0 V',
-        read_only=True,
+        read_only=Fixed.START,
     )
     state_period: float = param(
         0.05,
@@ -109,7 +109,7 @@ class CoreParameters(LawParameters):
         unit='s',
         minimum=0.0,
         maximum=60.0,
-        read_only=True,
+        read_only=Fixed.START,
     )
 
     def check(self) -> None:

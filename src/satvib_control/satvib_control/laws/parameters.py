@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from satvib_common.errors import SatvibError
 from satvib_common.parameters import LoopParameters
-from satvib_common.schema import param
+from satvib_common.schema import Fixed, param
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,16 +17,19 @@ class LawParameters(LoopParameters):
         0,
         'index of the strut, from 0; every strut excites with its own phase',
         minimum=0,
-        read_only=True,
+        read_only=Fixed.RIG,
     )
     struts: int = param(
-        3, 'number of struts of the isolator; they share the excitation', minimum=1, read_only=True
+        3,
+        'number of struts of the isolator; they share the excitation',
+        minimum=1,
+        read_only=Fixed.RIG,
     )
     law: str = param(
         'model_reference',
         'law by name (off, velocity_feedback, model_reference, ...), a sum such as '
         'velocity_feedback+feedforward, or a law of your own as module:Class',
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     voltage_limit: float = param(20.0, 'largest voltage', unit='V', above=0.0, maximum=1e3)
     modulus_margin: float = param(
@@ -34,7 +37,7 @@ class LawParameters(LoopParameters):
         'least distance of the Nyquist curve from -1; its inverse is the largest amplification',
         minimum=0.05,
         maximum=0.95,
-        read_only=True,
+        read_only=Fixed.MODEL,
     )
     gain_confidence: float = param(
         0.9,
@@ -42,20 +45,24 @@ class LawParameters(LoopParameters):
         'the estimate alone',
         minimum=0.0,
         below=1.0,
-        read_only=True,
+        read_only=Fixed.MODEL,
     )
     excitation_options: tuple[str, ...] = param(
-        (), "further settings of the excitation, each as 'key=value'", read_only=True
+        (), "further settings of the excitation, each as 'key=value'", read_only=Fixed.START
     )
     watch_time: float = param(
-        0.5, 'time over which the vibration is watched', unit='s', above=0.0, read_only=True
+        0.5,
+        'time over which the vibration is watched',
+        unit='s',
+        above=0.0,
+        read_only=Fixed.PROTECTION,
     )
     watch_ratio: float = param(
         3.0,
         'ratio of the RMS of the vibration to that at 0 V, above which the law is checked as its '
         'possible cause',
         above=1.0,
-        read_only=True,
+        read_only=Fixed.PROTECTION,
     )
 
     def check_frequencies(self, *names: str) -> None:
@@ -99,13 +106,13 @@ class VelocityParameters(LawParameters):
         'corner of the drift-free integrator; its phase error at f is 2 atan(corner / f)',
         unit='Hz',
         above=0.0,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     velocity_polarity: float = param(
         1.0,
         'sign of acceleration per volt while there is no identified model',
         choices=(1.0, -1.0),
-        read_only=True,
+        read_only=Fixed.RIG,
     )
 
     def check(self) -> None:

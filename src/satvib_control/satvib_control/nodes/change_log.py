@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""A line in the log when something changes that a person must know: phase, fault, a voltage that does not arrive."""
+"""A line in the log when something changes that a person must know: phase, fault, model, a voltage that is lost."""
 
 from collections.abc import Sequence
 from typing import Any
 
+from satvib_common.phases import Phase
 from satvib_common.struts.applied import TEXTS, Applied
 
 from satvib_control.core.output import ControllerOutput
@@ -22,6 +23,7 @@ class ChangeLog:
         self._log, self._places = log, places
         self._phase: object = None
         self._fault = self._lost = False
+        self._model: object = None
 
     def see(self, output: ControllerOutput, samples: Sequence[Any]) -> None:
         """Compare a sample with the one before."""
@@ -44,3 +46,18 @@ class ChangeLog:
                 self._log.warning(f'sample {k}: {TEXTS[Applied(state)]}')
             else:
                 self._log.info(f'sample {k}: the voltage reaches its coil again')
+
+    def see_model(self, k: int, phase: Phase, model: Any) -> None:
+        """Take the identified model (an IirParameters) with which sample k of a phase begins.
+
+        One line for each phase, and for each change of order or trust; in IDENTIFY models come several times a second.
+        """
+        order = f'{len(model.a)} poles, {len(model.b)} coefficients, delay {model.delay}'
+        trust = (
+            'trusted' if model.converged else f'not trusted: {model.reason or "no reason given"}'
+        )
+        if (phase, order, trust) == self._model:
+            return
+        self._model = phase, order, trust
+        taken = f'model of sample {model.sequence} taken' if model.converged else 'model not taken'
+        self._log.info(f'sample {k}: {taken}: {order}, {trust}')

@@ -82,7 +82,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
             if not ready:
                 return
             if model is not None:
-                self._set_model(model)
+                self._set_model(model, sample.sequence, plan)
             self.waiting.popleft()
             self.answer(sample.sequence, [sample], plan, arrival)
             self._prepare(plan)
@@ -101,7 +101,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
                 return  # its model is still to come
             _, model = self.models.take(k, plan)
             if model is not None:
-                self._set_model(model)
+                self._set_model(model, k, plan)
         self.core.prepare(plan.at(k))
 
     def _is_judged(self, k: int) -> bool:
@@ -134,7 +134,8 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
             self.waiting.append((message, arrival))
             self.proceed()
 
-    def _set_model(self, m: IirParameters) -> None:
+    def _set_model(self, m: IirParameters, k: int, plan: PhasePlan) -> None:
+        """Take the model with which sample k begins."""
         count = len(m.a) + len(m.b)
         if len(m.covariance) != count * count:
             raise SatvibError(
@@ -146,6 +147,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         )
         covariance = np.frombuffer(m.covariance).reshape(count, count)
         self.core.set_model(model, np.asarray(m.converged), m.reason, covariance)
+        self.changes.see_model(k, plan.at(k), m)
 
 
 def main() -> None:

@@ -163,8 +163,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
 
     def _others(self) -> str:
         """Give a text about two publishers of voltages of one strut; empty without them."""
-        found = (too_many_writers(self, f'{name}/voltage') for name in self.bridge.struts)
-        return next(filter(None, found), '')
+        return too_many_writers(self, *(f'{name}/voltage' for name in self.bridge.struts))
 
     def _look_for_others(self) -> None:
         if self.bridge.states.state in {State.ARMED, State.ACTIVE} and (others := self._others()):
@@ -179,16 +178,17 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
                 self.get_logger().error(str(transition))
             else:
                 self.get_logger().info(str(transition))
-            figures = {'state': transition.after.name, 'before': transition.before.name}
-            figures['reason'] = transition.reason
+            after, before = transition.after.name, transition.before.name
+            figures = {'state': after, 'before': before, 'reason': transition.reason}
             complaint = str(transition) if failed else ''
-            self._diagnostics.publish(True, complaint, figures, str(transition), failed)
+            self.reporting.diagnostics.publish(True, complaint, figures, str(transition), failed)
 
-    def _report(self) -> None:
-        states = self.bridge.states
+    def report_state(self) -> None:
+        """Publish the state of the bridge on /diagnostics."""
+        states, out = self.bridge.states, self.reporting.diagnostics
         complaint = states.reason if states.state in _LATCHED else ''
         well = f'{states.state.name}: {states.reason}'
-        self._diagnostics.publish(True, complaint, self.bridge.diagnose(), well, bool(complaint))
+        out.publish(True, complaint, self.bridge.diagnose(), well, bool(complaint))
 
 
 def main() -> None:

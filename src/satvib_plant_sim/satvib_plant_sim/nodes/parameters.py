@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.files.yaml_file import parse_yaml
-from satvib_common.schema import Schema, param
+from satvib_common.schema import Fixed, Schema, param
 from satvib_common.settings_text import parse_settings
 
 from satvib_plant_sim.disturbance.base import Disturbance
@@ -24,22 +24,26 @@ from satvib_plant_sim.rig.fine_grid import fitted_grid
 class PlantParameters(Schema):
     """Rig, disturbance, failures, and how time passes."""
 
-    rig: str = param('paper_3dof', 'name of a rig, or the path of its file', read_only=True)
+    rig: str = param('paper_3dof', 'name of a rig, or the path of its file', read_only=Fixed.START)
     rig_overrides: tuple[str, ...] = param(
-        (), "changes to the rig, each 'key=value' as in 'payload.mass=12'", read_only=True
+        (), "changes to the rig, each 'key=value' as in 'payload.mass=12'", read_only=Fixed.START
     )
     disturbance: str = param(
         'kind: none', "the disturbance as YAML, as in '{kind: sine, amplitude: 1, frequency: 10}'",
-        read_only=True,
+        read_only=Fixed.START,
     )  # fmt: skip
     failures: str = param(
         '[]',
         "what goes wrong as YAML, as in '[{kind: sensor_lost, strut: 1, time: 5}]'",
-        read_only=True,
+        read_only=Fixed.START,
     )
-    seed: int = param(1, 'seed of noise, bias and random disturbances', minimum=0, read_only=True)
+    seed: int = param(
+        1, 'seed of noise, bias and random disturbances', minimum=0, read_only=Fixed.START
+    )
     lockstep: bool = param(
-        True, 'wait for every voltage of a sample before the next; false: real time', read_only=True
+        True,
+        'wait for every voltage of a sample before the next; false: real time',
+        read_only=Fixed.GRAPH,
     )
     lockstep_timeout: float = param(
         10.0, 'longest wait for a voltage in lockstep', unit='s', above=0.0
@@ -62,14 +66,14 @@ class PlantParameters(Schema):
     )  # fmt: skip
     truth_period: float = param(
         0.05, 'length of the blocks in which the truth is published; 0: every sample by itself',
-        unit='s', minimum=0.0, maximum=60.0, read_only=True,
+        unit='s', minimum=0.0, maximum=60.0, read_only=Fixed.START,
     )  # fmt: skip
     arrival_file: str = param(
         '', 'real time: .npz file for the arrivals of the voltages after their samples; empty: none',
-        read_only=True,
+        read_only=Fixed.START,
     )  # fmt: skip
     wait_for_schedule: bool = param(
-        True, 'begin with sample 0 when the schedule is there', read_only=True
+        True, 'begin with sample 0 when the schedule is there', read_only=Fixed.START
     )
 
     def check(self) -> None:

@@ -15,10 +15,11 @@ def writers_of(node: Any, topic: str) -> list[str]:
     return sorted(f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in infos)
 
 
-def too_many_writers(node: Any, topic: str) -> str:
-    """Give a text that names the writers of a topic when there is more than one; else an empty one."""
-    names = writers_of(node, topic)
-    if len(names) < 2:
-        return ''
-    where = node.resolve_topic_name(topic).lstrip('/')
-    return f'{len(names)} publishers on {where}, only one is allowed: {", ".join(names)}'
+def too_many_writers(node: Any, *topics: str) -> str:
+    """Give a text that names the writers of the first topic that has more than one; else an empty one."""
+    for topic in topics:
+        names = writers_of(node, topic)
+        if len(names) > 1:
+            where = node.resolve_topic_name(topic).lstrip('/')
+            return f'{len(names)} publishers on {where}, only one is allowed: {", ".join(names)}'
+    return ''

@@ -5,7 +5,7 @@
 from dataclasses import dataclass
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import param
+from satvib_common.schema import Fixed, param
 
 from satvib_control.parameters import ControllerParameters
 
@@ -22,10 +22,10 @@ class CentralizedParameters(ControllerParameters):
         'centralized',
         'law; no other law gets the samples of all struts',
         choices=('centralized',),
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     strut_angles: tuple[float, ...] = param(
-        (90.0, 210.0, 330.0), 'angles of the struts, from x', unit='deg', read_only=True
+        (90.0, 210.0, 330.0), 'angles of the struts, from x', unit='deg', read_only=Fixed.RIG
     )
     gains_p: tuple[float, ...] = param(
         (0.0, 0.0, 0.0),

@@ -5,7 +5,7 @@
 from dataclasses import dataclass
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import param
+from satvib_common.schema import Fixed, param
 
 from satvib_control.laws.parameters import LawParameters
 
@@ -19,34 +19,34 @@ class FeedforwardParameters(LawParameters):
         'fxrls: filtered-x least squares; fxlms: filtered-x LMS, cheaper and slower; filtered_u: '
         'least squares, and the filter has poles',
         choices=('fxrls', 'fxlms', 'filtered_u'),
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     feedforward_taps: int = param(
         16,
         'number of samples of the reference in the filter',
         minimum=1,
         maximum=512,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     feedforward_motion: bool = param(
         True,
         'velocity and displacement of the lower plate beside the taps; without them hundreds of '
         'taps would be needed',
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     feedforward_motion_corner: float = param(
         0.5,
         'corner of the drift-free integrators of that velocity and displacement',
         unit='Hz',
         above=0.0,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     feedforward_poles: int = param(
         2,
         'number of its own past voltages in the filter of filtered_u',
         minimum=1,
         maximum=32,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     feedforward_step: float = param(
         0.1, 'step mu of fxlms; unstable from 2 on, slower below 1', above=0.0, below=2.0
@@ -81,14 +81,14 @@ class FeedforwardParameters(LawParameters):
         unit='s',
         minimum=0.0,
         maximum=1.0,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     feedforward_struts: int = param(
         3,
         'number of struts on one lower plate; the reactions of the others stay in the reference, '
         'and the gain is bounded so that they cannot make the loop unstable; 1: no such bound',
         minimum=1,
-        read_only=True,
+        read_only=Fixed.RIG,
     )
 
     def check(self) -> None:

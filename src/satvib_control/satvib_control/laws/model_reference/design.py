@@ -76,6 +76,12 @@ class Design(NamedTuple):
             gains = ray(gains, self.sizes, self.grid, p.modulus_margin)
         return gains
 
+    def restarted(self, p: ModelReferenceParameters) -> 'Design':
+        """Take the gains to begin with from other parameters; the model is the same."""
+        design = self._replace(grid=_grid(self.loop, p))
+        start = self.sign[..., None] * np.array([p.gain_p, p.gain_i, p.gain_d])
+        return design._replace(start=design.within(start, p))
+
     def renewed(self, new: 'Design', trusted: Mask) -> 'Design':
         """Take a new design where it is trusted (shape)."""
         length = max(self.loop.shape[-1], new.loop.shape[-1])
@@ -123,11 +129,7 @@ def make_design(
             model, 2.0 * math.pi * p.reference_frequency, p.reference_damping, pole
         )
         fixed[..., Fixed.DESIGNED_B : Fixed.DESIGNED_A + 1, : designed.shape[-1]] = designed
-    grid = np.zeros((*sign.shape, 6, 1))
-    if several(p):
-        grid = loop_grid(
-            [loop[..., i, :] for i in (Loop.P, Loop.I, Loop.D)], loop[..., Loop.OPEN, :]
-        )
+    grid = _grid(loop, p)
     start = sign[..., None] * np.array([p.gain_p, p.gain_i, p.gain_d])
     design = Design(
         loop=loop,
@@ -143,6 +145,13 @@ def make_design(
         amplitude=p.reference_voltage / _voltage_per_reference(wanted, loop, dt, integrator, p),
     )
     return design._replace(start=design.within(start, p))
+
+
+def _grid(loop: Array, p: ModelReferenceParameters) -> Array:
+    """Where several gains are projected together, the points of the Nyquist curve (*shape, 6, points)."""
+    if not several(p):
+        return np.zeros((*loop.shape[:-2], 6, 1))
+    return loop_grid([loop[..., i, :] for i in (Loop.P, Loop.I, Loop.D)], loop[..., Loop.OPEN, :])
 
 
 def _loop(model: IirModel, dt: float, integrator: tuple[Array, Array]) -> Array:

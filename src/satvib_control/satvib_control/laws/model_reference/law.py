@@ -85,6 +85,7 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
         self._design = Design.without_model(shape, self._integrator)
         self._several = several(p)
         self._scale = self._design.sizes  # of each gain; 0: it does not adapt
+        self._wanted = self._start_of(p)
         self._settings = np.zeros((*shape, len(Setting)))
         names = [gain.name.lower() for gain in Gain]
         self._adapted = np.array([float(name in p.adapted_gains) for name in names])
@@ -96,9 +97,17 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
         self._show_gains()
 
     def apply(self, parameters: ModelReferenceParameters) -> None:
-        """Take the settings of the adaptation."""
+        """Take the settings of the adaptation, and the gains.
+
+        A gain that does not adapt is the new one from the next sample on, within what the model proves. Of one that
+        adapts only the start changes, to which leakage and `reset` bring it back. The filters go on, so the voltage
+        differs by what the gains differ, times what they are multiplied by.
+        """
         super().apply(parameters)
         p, s = parameters, self._settings
+        if self._start_of(p) != self._wanted:
+            self._wanted = self._start_of(p)
+            self._set_gains(p)
         self._rule = Rule(
             dt=self.dt,
             rate=p.adaptation_rate,
@@ -110,6 +119,17 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
         s[..., Setting.FORGET] = 1.0 - math.exp(-self.dt / p.adaptation_memory)
         s[..., Setting.DESIGNED] = float(p.reference_model == 'designed')
         s[..., Setting.PASS] = 1.0 / (1.0 + 2.0 * math.pi * p.velocity_corner * self.dt)
+
+    @staticmethod
+    def _start_of(p: ModelReferenceParameters) -> tuple[float, float, float]:
+        return p.gain_p, p.gain_i, p.gain_d
+
+    def _set_gains(self, p: ModelReferenceParameters) -> None:
+        self._several = several(p)
+        self._design = self._design.restarted(p)
+        gains, start = self._memory.gains, self._design.start
+        new = self._design.within(np.where(self._adapted > 0.0, gains, start), p)
+        gains[...] = np.where(self._known[..., None], new, gains)
 
     def set_model(self, model: IirModel, trusted: Mask, covariance: Array | None = None) -> None:
         """Design bounds, reference model and sensitivity filters where the model is trusted.

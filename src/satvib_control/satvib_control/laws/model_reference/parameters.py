@@ -4,7 +4,7 @@
 
 from dataclasses import dataclass
 
-from satvib_common.schema import param
+from satvib_common.schema import Fixed, param
 
 from satvib_control.laws.parameters import VelocityParameters
 
@@ -14,61 +14,67 @@ class ModelReferenceParameters(VelocityParameters):
     """Start of the gains, reference model, and adaptation."""
 
     gain_p: float = param(
-        0.0, 'K_p at the start of model_reference', unit='V/(m/s^2)', read_only=True
+        0.0,
+        'K_p at the start of model_reference; where it does not adapt, it can be set in the run',
+        unit='V/(m/s^2)',
     )
     gain_i: float = param(
-        0.0, 'K_i at the start of model_reference', unit='V/(m/s)', read_only=True
+        0.0,
+        'K_i at the start of model_reference; where it does not adapt, it can be set in the run',
+        unit='V/(m/s)',
     )
     gain_d: float = param(
-        0.0, 'K_d at the start of model_reference', unit='V/(m/s^3)', read_only=True
+        0.0,
+        'K_d at the start of model_reference; where it does not adapt, it can be set in the run',
+        unit='V/(m/s^3)',
     )
     adapted_gains: tuple[str, ...] = param(
         ('ki',),
         'gains that adapt, of kp, ki, kd; the law of the paper adapts ki alone',
         choices=('kp', 'ki', 'kd'),
-        read_only=True,
+        read_only=Fixed.MODEL,
     )
     reference_model: str = param(
         'identified',
         'identified: the identified model, closed with the gain that gives the wanted damping; '
         'designed: a model of the second order',
         choices=('identified', 'designed'),
-        read_only=True,
+        read_only=Fixed.MODEL,
     )
     reference_excitation: str = param(
-        'squares', 'signal of the reference u_c in ADAPT, by its name', read_only=True
+        'squares', 'signal of the reference u_c in ADAPT, by its name', read_only=Fixed.START
     )
     reference_frequencies: tuple[float, ...] = param(
         (5.0, 10.0), 'frequencies of the reference; near the mode they say most about the gain',
-        unit='Hz', above=0.0, read_only=True,
+        unit='Hz', above=0.0, read_only=Fixed.MODEL,
     )  # fmt: skip
     reference_voltage: float = param(
         5.0,
         'voltage that the reference of ADAPT causes at the wanted gain',
         unit='V',
         above=0.0,
-        read_only=True,
+        read_only=Fixed.MODEL,
     )
     reference_damping: float = param(
         1.5,
         'wanted effective damping ratio of the dominant mode',
         above=0.0,
         maximum=10.0,
-        read_only=True,
+        read_only=Fixed.MODEL,
     )
     reference_frequency: float = param(
         0.0,
         'frequency of the designed reference model; 0: that of the identified dominant mode',
         unit='Hz',
         minimum=0.0,
-        read_only=True,
+        read_only=Fixed.MODEL,
     )
     adaptation_rule: str = param(
         'normalized',
         'normalized: MIT rule divided by the power of its gradient; mit: MIT rule as printed; '
         'lyapunov: normalized, with the regressor in the place of the sensitivity',
         choices=('normalized', 'mit', 'lyapunov'),
-        read_only=True,
+        read_only='the rate has another unit under another rule',
     )
     adaptation_rate: float = param(
         5.0,
@@ -81,14 +87,12 @@ class ModelReferenceParameters(VelocityParameters):
         'time constant of the power that normalizes the gradient',
         unit='s',
         above=0.0,
-        read_only=True,
     )
     adaptation_floor: float = param(
         0.01,
         'effect of a gain on the output below which the gain does not adapt',
         unit='m/s^2',
         minimum=0.0,
-        read_only=True,
     )
     adaptation_dead_zone: float = param(
         0.0, 'error below which nothing adapts', unit='m/s^2', minimum=0.0
@@ -108,7 +112,6 @@ class ModelReferenceParameters(VelocityParameters):
     adapt_in_control: bool = param(
         False,
         'continue to adapt in CONTROL, on the vibration itself (y_m = 0)',
-        read_only=True,
     )
 
     def check(self) -> None:

@@ -113,9 +113,9 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
         return Memory.at_rest(self.shape, self._model.state, tones, window, frequencies)
 
     def apply(self, parameters: NarrowbandParameters) -> None:
-        """Take a new voltage limit."""
+        """Take new settings; tones and spectra go on, so a voltage changes no faster than its tone is corrected."""
         super().apply(parameters)
-        self._settings[Setting.VOLTAGE] = parameters.voltage_limit
+        self._settings[:] = _settings(parameters, self.dt)
 
     def set_model(self, model: 'IirModel', trusted: Mask, covariance: Array | None = None) -> None:  # noqa: ARG002 - the interface
         """Take the model where it is trusted and run it over the past, so that the tones are known at once."""

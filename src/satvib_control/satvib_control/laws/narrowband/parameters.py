@@ -5,7 +5,7 @@
 from dataclasses import dataclass
 
 from satvib_common.errors import SatvibError
-from satvib_common.schema import param
+from satvib_common.schema import Fixed, param
 
 from satvib_control.laws.parameters import LawParameters
 
@@ -15,17 +15,21 @@ class NarrowbandParameters(LawParameters):
     """Which tones are sought, and how fast they are followed."""
 
     narrowband_tones: int = param(
-        3, 'largest number of tones', minimum=1, maximum=8, read_only=True
+        3, 'largest number of tones', minimum=1, maximum=8, read_only=Fixed.MEMORY
     )
     narrowband_low: float = param(
-        4.0, 'lowest frequency of a tone that is cancelled', unit='Hz', above=0.0, read_only=True
+        4.0,
+        'lowest frequency of a tone that is cancelled',
+        unit='Hz',
+        above=0.0,
+        read_only=Fixed.MEMORY,
     )
     narrowband_high: float = param(
         0.0,
         'highest frequency of a tone that is cancelled; 0: 0.45 of the sample rate',
         unit='Hz',
         minimum=0.0,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     narrowband_settling: float = param(
         0.1,
@@ -33,10 +37,12 @@ class NarrowbandParameters(LawParameters):
         'longer where the modulus margin needs it',
         unit='s',
         above=0.0,
-        read_only=True,
     )
     narrowband_memory: float = param(
-        5.0, 'longest time constant of the frequency', unit='s', above=0.0, read_only=True
+        5.0,
+        'longest time constant of the frequency',
+        unit='s',
+        above=0.0,
     )
     narrowband_window: float = param(
         0.5,
@@ -44,14 +50,13 @@ class NarrowbandParameters(LawParameters):
         'closer than its inverse',
         unit='s',
         above=0.0,
-        read_only=True,
+        read_only=Fixed.MEMORY,
     )
     narrowband_smallest: float = param(
         0.0,
         'smallest amplitude that is cancelled; a tone must also stand out of the noise',
         unit='m/s^2',
         minimum=0.0,
-        read_only=True,
     )
 
     narrowband_serve: str = param(
@@ -59,13 +64,13 @@ class NarrowbandParameters(LawParameters):
         'what is brought to its least: the samples, or the payload between them, images of the hold included; '
         'payload needs narrowband_weights',
         choices=('samples', 'payload'),
-        read_only=True,
+        read_only=Fixed.RIG,
     )
     narrowband_weights: tuple[float, ...] = param(
         (),
         'frequency (Hz), real and imaginary part of the weight on the voltage of a tone, and so on by increasing '
         'frequency; a scenario makes it from its rig',
-        read_only=True,
+        read_only=Fixed.RIG,
     )
 
     def check(self) -> None:

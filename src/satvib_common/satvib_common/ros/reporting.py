@@ -1,0 +1,94 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a node says about itself: on /diagnostics once a second and when it finds others, and in the log what it awaits.
+
+A node that waits for the same thing for five seconds says so in its log, and again every five seconds, with the full
+name of the topic. Where that topic has no source but one of the same name elsewhere has, that one is named: most often
+a node was started in another namespace than the rest of its graph.
+"""
+
+import time
+from typing import TYPE_CHECKING, Any
+
+from satvib_common.realtime import tidy_memory
+from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF, Diagnostics
+
+if TYPE_CHECKING:
+    from satvib_common.ros.node import SatvibNode
+
+_PERIOD = 1.0  # s
+# s and times: how often a young node looks whether it has found others
+_LOOK, _LOOKS = 0.1, 300
+_SAY_EVERY = 5.0  # s
+
+
+class Reporting:
+    """The reports of one node while it is configured.
+
+    Args:
+        node: it.
+
+    Attributes:
+        diagnostics: where they go.
+        awaited: what the node has waited for since the report before; empty: for nothing.
+    """
+
+    def __init__(self, node: 'SatvibNode[Any]') -> None:
+        self._node = node
+        self.diagnostics = Diagnostics(node)
+        self.awaited = self._before = ''
+        self._since = self._said = 0.0
+        self._found: dict[str, object] = {}
+        self._looks = 0
+        node.every(_PERIOD, self._report)
+        self._looking = node.every(_LOOK, self._look_around)
+
+    def connections(self) -> dict[str, Any]:
+        """Count the readers and writers that are connected; the graph lists them before they are."""
+        node = self._node
+        found = {READERS_OF + w.topic_name: w.get_subscription_count() for w in node.writers()}
+        return found | {WRITERS_OF + r.topic_name: r.get_publisher_count() for r in node.readers()}
+
+    def _report(self) -> None:
+        self._await(self._node.awaits() if self._node.active else '')
+        self._node.report_state()
+        tidy_memory()
+
+    def _await(self, what: str) -> None:
+        """Take what the node waits for now; the same at two reports is waited for."""
+        now = time.monotonic()
+        if what != self._before:
+            self._since = self._said = now
+        self.awaited = what if what == self._before else ''
+        self._before = what
+        if what and now - self._said >= _SAY_EVERY:
+            self._said = now
+            self._node.get_logger().warning(f'waits for {what} ({now - self._since:.0f} s so far)')
+
+    def _look_around(self) -> None:
+        """Report at once when others have been found: a run begins when everybody has."""
+        self._looks += 1
+        found = self._found
+        if self._looks < _LOOKS:
+            found = self.connections() | {'': self.diagnostics.readers()}
+        if found != self._found:
+            self._found = found
+            self._node.report_state()
+        elif self._looks == _LOOKS:
+            self._looking.cancel()
+
+
+def source_of(node: Any, topic: str) -> str:
+    """Give the full name of a topic that is awaited, and where it has no source, those of its name that have one."""
+    name = node.resolve_topic_name(topic)
+    if node.count_publishers(name):
+        return str(name)
+    last = name.rpartition('/')[2]
+    others = [
+        other
+        for other, _ in node.get_topic_names_and_types()
+        if other.rpartition('/')[2] == last and node.count_publishers(other)
+    ]
+    if not others:
+        return f'{name}, on which no node publishes'
+    return f'{name}, on which no node publishes; there is {", ".join(sorted(others)[:4])}'
