@@ -150,6 +150,7 @@ def recording(tmp_path_factory):
     return folder
 
 
+@pytest.mark.usefixtures('no_figures')
 @pytest.mark.parametrize('path', ['.', '../quick-001/', './recording.npz'])
 def test_the_folder_one_stands_in_has_a_name(recording, tmp_path, monkeypatch, capsys, path):
     """Truth: the case's page: the report is beside the folder; of a file it is beside the file."""

@@ -78,6 +78,7 @@ def test_what_only_lists_imports_no_numerical_library(arguments):
     assert not imported & {'numpy', 'scipy', 'numba', 'matplotlib', 'rclpy', 'pyarrow'}
 
 
+@pytest.mark.usefixtures('no_figures')
 def test_a_run_that_controlled_nothing_is_no_success(satvib, tmp_path):
     """Truth: without excitation no model is trusted, and narrowband gives 0 V without one."""
     weak = ['--set', 'controller.law=narrowband', '--set', 'controller.excitation_amplitude=1e-6']
@@ -108,6 +109,7 @@ def test_simulate_then_report(satvib, tmp_path):
     assert again == result
 
 
+@pytest.mark.usefixtures('no_figures')
 def test_the_written_scenario_is_the_one_that_ran(satvib, tmp_path):
     """Truth: a run from the scenario.yaml of a run gives the same result."""
     satvib('simulate', 'quick_3dof', '--set', 'rig.payload.mass=10', '--folder', 'one')

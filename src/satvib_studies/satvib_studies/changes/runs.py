@@ -37,7 +37,7 @@ class Outcome:
         loud_time: s, the longest time that a strut was above +6 dB.
         loudest: dB, of any window and strut.
         end: (trials, struts) dB at the end.
-        fresh: (trials, struts) dB of a run that begins on the changed rig.
+        fresh: (trials, struts) dB of a run that begins on the changed rig; NaN where none was asked for.
         fault: (trials, struts) whether 0 V is latched at the end.
     """
 
@@ -86,6 +86,7 @@ def run_changes(
     trials: Sequence[int],
     kinds: tuple[str, ...] = KINDS,
     more: Sequence[str] = (),
+    fresh: bool = True,
 ) -> Outcome:
     """Run the trials of one rig and law as one batch each.
 
@@ -95,29 +96,30 @@ def run_changes(
         trials: numbers of the trials, which are their seeds too.
         kinds: of changes to draw from.
         more: settings as key=value, over those of the trials.
+        fresh: whether the third runs are made, which begin on the changed rig.
     """
     nominal = load_rig(rig)
     changes = [draw_change(nominal, trial, kinds) for trial in trials]
 
-    def powers(law: str, fresh: bool) -> tuple[Array, Mask]:
+    def powers(law: str, anew: bool) -> tuple[Array, Mask]:
         return _powers(
             [
-                scenario_of(rig, law, change, trial, fresh, more)
+                scenario_of(rig, law, change, trial, anew, more)
                 for change, trial in zip(changes, trials, strict=True)
             ]
         )
 
     controlled, fault = powers(law, False)
     still, _ = powers('off', False)
-    anew = controlled
-    if any(change.kind not in DISTURBANCE_KINDS for change in changes):
-        anew, _ = powers(law, True)
+    begun = controlled if fresh else np.full_like(controlled, np.nan)
+    if fresh and any(change.kind not in DISTURBANCE_KINDS for change in changes):
+        begun, _ = powers(law, True)
     first, last = round(CONTROL / WINDOW), round(SETTLED / WINDOW)
     gain = 10.0 * np.log10(controlled[first:] / still[first:])
     end = 10.0 * np.log10(controlled[-last:].mean(axis=0) / still[-last:].mean(axis=0))
-    fresh = 10.0 * np.log10(anew[-last:].mean(axis=0) / still[-last:].mean(axis=0))
+    from_new = 10.0 * np.log10(begun[-last:].mean(axis=0) / still[-last:].mean(axis=0))
     loud_time = _longest(gain > LOUD).max(axis=-1) * WINDOW
-    return Outcome(changes, loud_time, gain.max(axis=(0, -1)), end, fresh, fault)
+    return Outcome(changes, loud_time, gain.max(axis=(0, -1)), end, from_new, fault)
 
 
 def count_stops(rig: str, law: str, trials: Sequence[int], more: Sequence[str] = ()) -> Mask:

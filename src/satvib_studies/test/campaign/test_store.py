@@ -4,6 +4,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 
@@ -69,12 +70,20 @@ def wanted(tmp_path_factory):
     return (folder / 'trials.parquet').read_bytes()
 
 
-@pytest.fixture
-def interrupted(tmp_path):
-    """Folder of a campaign of which 12 of 18 trials are done."""
-    folder = tmp_path / 'c'
+@pytest.fixture(scope='module')
+def begun(tmp_path_factory):
+    """Folder of a campaign that was interrupted when 12 of 18 trials were done."""
+    folder = tmp_path_factory.mktemp('begun') / 'c'
     with pytest.raises(Interrupted):
         go_on(begin(CAMPAIGN, folder), workers=0, progress=stop_after(12))
+    return folder
+
+
+@pytest.fixture
+def interrupted(begun, tmp_path):
+    """A copy of it: a campaign goes on wherever its folder lies."""
+    folder = tmp_path / 'c'
+    shutil.copytree(begun, folder)
     assert Store(folder).trials_done == 12
     return folder
 

@@ -23,7 +23,7 @@ PROMISED = 5.0  # s
 )
 def test_no_strut_stays_louder_than_its_open_loop(rig, law):
     """The short form of benchmarks/changes.py: 13 drawn trials, at most 5 s above +6 dB in each."""
-    outcome = run_changes(rig, law, range(1, 14))
+    outcome = run_changes(rig, law, range(1, 14), fresh=False)
     worst = int(np.argmax(outcome.loud_time))
     assert outcome.loud_time.max() <= PROMISED, outcome.changes[worst].text
 
@@ -61,8 +61,8 @@ def test_a_reversed_coil_stops_its_own_strut_and_no_other():
 
 def test_a_trial_is_the_same_in_any_batch():
     """Truth: the trial alone."""
-    together = run_changes('soft_3dof', 'velocity_feedback', [3, 4, 5])
-    alone = run_changes('soft_3dof', 'velocity_feedback', [4])
+    together = run_changes('soft_3dof', 'velocity_feedback', [3, 4, 5], fresh=False)
+    alone = run_changes('soft_3dof', 'velocity_feedback', [4], fresh=False)
     np.testing.assert_array_equal(alone.end[0], together.end[1])
     assert alone.loud_time[0] == together.loud_time[1]
 
@@ -83,6 +83,6 @@ def test_an_open_loop_that_falls_with_the_stiffness_is_heard_again(law, trials):
 
     Truth: as above. Before the base could be in doubt, these were at +7 to +13 dB for 5.5 to 10.5 s.
     """
-    outcome = run_changes('soft_3dof', law, trials)
+    outcome = run_changes('soft_3dof', law, trials, fresh=False)
     assert {change.kind for change in outcome.changes} == {'stiffness'}
     assert outcome.loud_time.max() <= PROMISED
