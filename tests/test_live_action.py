@@ -43,7 +43,9 @@ def test_a_goal_runs_and_is_reported(start, probe, tmp_path):
     bad = result_of(probe, send(probe, made, feedback, scenario='quick_4dof'))
     assert bad.status == GoalStatus.STATUS_ABORTED
     assert 'quick_4dof' in bad.result.message
-    handle = send(probe, made, feedback, scenario='quick_3dof', overrides=['seed=5'])
+    handle = send(
+        probe, made, feedback, scenario='quick_3dof', overrides=['seed=5', 'composition=single']
+    )
     assert handle.accepted
     assert not send(probe, made, [], scenario='quick_3dof').accepted
     answer = result_of(probe, handle)

@@ -4,7 +4,9 @@
 
 import signal
 
+import numpy as np
 import pytest
+from satvib_common.phases import Phase
 
 STRUT = ('satvib_bringup', 'strut')
 
@@ -45,7 +47,7 @@ def test_every_composition_equals_the_offline_twin(composition, tmp_path, domain
     ],
 )
 def test_laws_that_take_their_model_between_two_samples(law, composition, tmp_path, domain):  # noqa: ARG001
-    """Truth: the offline twin, which takes it within the sample; every bit."""
+    """Truth: the offline twin, which takes it within the sample; every bit. A model is used: there is a voltage."""
     from satvib_experiment.recording.recording import differences
     from satvib_experiment.scenario.scenario import load_scenario
     from satvib_experiment.twin.closed_loop import simulate
@@ -53,6 +55,7 @@ def test_laws_that_take_their_model_between_two_samples(law, composition, tmp_pa
     scenario = load_scenario('quick_3dof', [f'controller.law={law}', 'model_period=30'])
     _, run = recorded(scenario, tmp_path / 'run', composition)
     assert differences(run, simulate(scenario)) == []
+    assert np.abs(run.get('voltage', 'voltage')[run.phase == Phase.CONTROL]).max() > 0.1
 
 
 def test_the_centralized_scheme_in_one_process(tmp_path, domain):  # noqa: ARG001
@@ -69,7 +72,6 @@ def test_the_centralized_scheme_in_one_process(tmp_path, domain):  # noqa: ARG00
 
 def test_estimating_goes_on_in_control(tmp_path, domain):  # noqa: ARG001
     """Truth: the offline twin, every bit. After IDENTIFY models come at hand-overs, and are waited for."""
-    from satvib_common.phases import Phase
     from satvib_experiment.recording.recording import differences
     from satvib_experiment.scenario.scenario import load_scenario
     from satvib_experiment.twin.closed_loop import simulate

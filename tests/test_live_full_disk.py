@@ -127,7 +127,7 @@ others = Path('others').open('wb', buffering=0)
 
 def fill(progress):
     try:
-        while progress.time > 5.0:
+        while progress.time > 1.0:
             others.write(bytes(65536))
     except OSError:
         pass

@@ -22,8 +22,16 @@ LAW = LOOP | {'law': 'velocity_feedback', 'struts': 1, 'state_period': 0.0}
 PLAN = PhasePlan(
     (Phase.STANDBY, Phase.CALIBRATE, Phase.IDENTIFY, Phase.CONTROL), (0, 100, 300, 1500), 0
 )
+# where the model need not have settled
+SOON = PhasePlan(PLAN.phases, (0, 100, 300, 700), 0)
 # for a machine on which a process needs seconds to start
 LONG = PhasePlan(PLAN.phases, (0, 100, 300, 100_000), 0)
+
+
+def shake(plan):
+    """A disturbance that begins with CONTROL; where that is far away, at 7.5 s."""
+    begin = min(7.5, plan.first[-1] / RATE)
+    return f'{{kind: sine, frequency: 10.0, amplitude: 1.0, start: {begin}}}'
 
 
 class Strut:
@@ -42,8 +50,7 @@ class Strut:
         )
 
         self.start, self.probe = start, probe
-        shake = '{kind: sine, frequency: 10.0, amplitude: 1.0, start: 7.5}'
-        setting = {'rig': 'paper_1dof', 'lockstep': False, 'disturbance': shake}
+        setting = {'rig': 'paper_1dof', 'lockstep': False, 'disturbance': shake(plan)}
         setting['command_timeout'] = TIMEOUT
         self.plant = start(*PLANT, **setting, **plant)
         self.identifier = start(*IDENTIFIER, '/strut_1', **LOOP)
@@ -136,8 +143,8 @@ def check_no_wrong_voltage(strut):
 
 def test_a_stalled_controller_is_silent_and_comes_back(start, probe):
     """Truth: the design. 0 V at once after the time-out, said by plant, controller and topic; then a rise of 0.3 s."""
-    strut = Strut(start, probe)
-    strut.until(2200)
+    strut = Strut(start, probe, SOON)
+    strut.until(1200)
     strut.controller.send(signal.SIGSTOP)
     probe.wait(lambda: strut.state() is Applied.SILENT)
     probe.wait(lambda: any('no fresh voltage' in t for t in strut.complaints('/plant_sim')))
@@ -164,8 +171,8 @@ def test_after_latch_only_reset_helps(start, probe):
     """Truth: the design of `after_silence: latch`."""
     from std_srvs.srv import Trigger
 
-    strut = Strut(start, probe, after_silence='latch')
-    strut.until(2200)
+    strut = Strut(start, probe, SOON, after_silence='latch')
+    strut.until(1200)
     strut.controller.send(signal.SIGSTOP)
     probe.wait(lambda: strut.state() is Applied.LATCHED)
     strut.controller.send(signal.SIGCONT)
@@ -271,10 +278,8 @@ def test_a_plant_that_is_started_again_begins_the_run_again(start, probe):
     strut.plant.send(signal.SIGKILL)
     strut.plant.wait()
     count = len(strut.samples)
-    shake = '{kind: sine, frequency: 10.0, amplitude: 1.0, start: 7.5}'
-    start(
-        *PLANT, rig='paper_1dof', lockstep=False, disturbance=shake, seed=2, command_timeout=TIMEOUT
-    )
+    setting = {'disturbance': shake(PLAN), 'seed': 2, 'command_timeout': TIMEOUT}
+    start(*PLANT, rig='paper_1dof', lockstep=False, **setting)
     probe.wait(lambda: len(strut.samples) > count and strut.k >= 600)
     second = strut.samples[count:]
     answers = [s for s in strut.states if s.header.stamp.sec >= second[0].header.stamp.sec]

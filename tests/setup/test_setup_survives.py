@@ -20,6 +20,7 @@ import pytest
 from lock_files import ROOT
 
 SEED = 11
+SURROUNDINGS = {'HOME': '/proc/nobody', 'LC_ALL': 'C', 'XDG_CACHE_HOME': '', 'UV_CACHE_DIR': ''}
 CHECK = """
 import base64, hashlib, sys
 from importlib.metadata import distributions
@@ -82,44 +83,77 @@ def workspace(tmp_path):
     return Workspace(root)
 
 
-@pytest.mark.timeout(900)
-def test_two_terminals_a_read_only_home_and_two_deaths(workspace):
-    """In a folder with spaces and umlauts, in a locale that has none."""
-    surroundings = {'HOME': '/proc/nobody', 'LC_ALL': 'C', 'XDG_CACHE_HOME': '', 'UV_CACHE_DIR': ''}
+def in_two_terminals(workspace, **surroundings):
+    """Set up from two terminals at once, one of which waits; gives how many s it took."""
     began = time.monotonic()
     terminals = [workspace.start(**surroundings) for _ in range(2)]
     said = [terminal.communicate(timeout=280)[0] for terminal in terminals]
-    lasted = time.monotonic() - began
     assert [terminal.returncode for terminal in terminals] == [0, 0], said
     assert sum('waiting for it' in text for text in said) == 1, said
-    workspace.good(**surroundings)
+    return time.monotonic() - began
+
+
+def die(workspace, limit, **surroundings):
+    """Begin to set up; killed after `limit` s."""
+    process = workspace.start(**surroundings)
+    try:
+        process.wait(timeout=limit)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+
+
+def move(workspace, new):
+    workspace.root.rename(new)
+    workspace.root = new
+
+
+def take_python_away(workspace):
+    for link in (workspace.root / '.venv/bin').glob('python*'):
+        if link.is_symlink():
+            link.unlink()
+            link.symlink_to('/usr/bin/python-that-is-gone')
+
+
+@pytest.mark.timeout(900)
+def test_two_terminals_then_moved_then_dead_then_without_a_python(workspace, tmp_path):
+    """The short form of the next two: what is moved is set up again, and dies meanwhile.
+
+    In a folder with spaces and umlauts, in a locale that has none, with a home that cannot be written.
+    """
+    lasted = in_two_terminals(workspace, **SURROUNDINGS)
+    assert (workspace.root / '.cache/uv-cache').is_dir()
+    move(workspace, tmp_path / 'moved')
+    die(workspace, random.Random(SEED).uniform(0.05, 0.8) * lasted, **SURROUNDINGS)
+    workspace.good(**SURROUNDINGS)
+    assert str(workspace.root) in (workspace.root / '.venv/bin/pip').read_text()
+    take_python_away(workspace)
+    assert 'making the virtual environment' in workspace.good(**SURROUNDINGS)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(900)
+def test_two_terminals_a_read_only_home_and_two_deaths(workspace):
+    """In a folder with spaces and umlauts, in a locale that has none."""
+    lasted = in_two_terminals(workspace, **SURROUNDINGS)
+    workspace.good(**SURROUNDINGS)
     assert (workspace.root / '.cache/uv-cache').is_dir()
     dice = random.Random(SEED)
     for _ in range(2):
         workspace.forget()
-        process = workspace.start(**surroundings)
-        try:
-            process.wait(timeout=dice.uniform(0.05, 0.8) * lasted)
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
-        workspace.good(**surroundings)
+        die(workspace, dice.uniform(0.05, 0.8) * lasted, **SURROUNDINGS)
+        workspace.good(**SURROUNDINGS)
 
 
+@pytest.mark.long
 @pytest.mark.timeout(900)
 def test_a_moved_repository_and_a_python_that_is_gone(workspace, tmp_path):
     workspace.good()
-    new = tmp_path / 'moved'
-    workspace.root.rename(new)
-    workspace.root = new
+    move(workspace, tmp_path / 'moved')
     workspace.good()
-    assert str(new) in (new / '.venv/bin/pip').read_text()
-    for link in (new / '.venv/bin').glob('python*'):
-        if link.is_symlink():
-            link.unlink()
-            link.symlink_to('/usr/bin/python-that-is-gone')
-    said = workspace.good()
-    assert 'making the virtual environment' in said
+    assert str(workspace.root) in (workspace.root / '.venv/bin/pip').read_text()
+    take_python_away(workspace)
+    assert 'making the virtual environment' in workspace.good()
 
 
 @pytest.mark.parametrize('uv', ['there', 'missing'])

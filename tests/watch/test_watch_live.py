@@ -31,7 +31,9 @@ def test_bytes_of_a_sample_are_read_where_they_are(frame):
     assert sequence_and_figures(serialize_message(voltage), 1) == (8, -9.5)
 
 
-def test_stop_on_the_page_is_zero_volts_on_the_topic(start, schedule, probe, client):
+def test_stop_of_one_strut_leaves_the_others_and_stop_of_all_leaves_none(
+    start, schedule, probe, client
+):
     """Truth: the messages on /strut_i/voltage that another node of the domain hears."""
     from satvib_msgs.msg import VcaVoltage
 
@@ -42,6 +44,11 @@ def test_stop_on_the_page_is_zero_volts_on_the_topic(start, schedule, probe, cli
     client.wait(lambda: len(client.struts) == 3 and all(s['state'] for s in client.struts.values()))
     # what the coils got is shown beside what was asked for
     client.wait(lambda: any(client.struts['strut_1']['blocks']['high'][3]))
+    client.send(do='stop', strut='strut_2')
+    probe.wait(lambda: heard[1][-1].fault)
+    counts = [len(v) for v in heard]
+    probe.wait(lambda: all(len(v) > n + 20 for v, n in zip(heard, counts, strict=True)))
+    assert [v[-1].fault for v in heard] == [False, True, False]
     client.send(do='stop')
     probe.wait(lambda: all(v[-1].voltage == 0.0 and v[-1].fault for v in heard))
     client.said('/strut_1/strut_controller stop', '0 V')
@@ -51,22 +58,6 @@ def test_stop_on_the_page_is_zero_volts_on_the_topic(start, schedule, probe, cli
     assert state['reason']
     client.send(do='reset')
     probe.wait(lambda: all(v[-1].voltage != 0.0 for v in heard))
-
-
-def test_stop_of_one_strut_leaves_the_others(start, schedule, probe, client):
-    """Truth: the messages on the topics."""
-    from satvib_msgs.msg import VcaVoltage
-
-    begin(start)
-    heard = [probe.collect(VcaVoltage, f'/strut_{i}/voltage', whole=False) for i in (1, 2, 3)]
-    schedule()
-    probe.wait(lambda: all(v and v[-1].voltage != 0.0 for v in heard))
-    client.wait(lambda: 'strut_2' in client.struts and client.struts['strut_2']['state'])
-    client.send(do='stop', strut='strut_2')
-    probe.wait(lambda: heard[1][-1].fault)
-    counts = [len(v) for v in heard]
-    probe.wait(lambda: all(len(v) > n + 20 for v, n in zip(heard, counts, strict=True)))
-    assert [v[-1].fault for v in heard] == [False, True, False]
 
 
 def test_struts_in_any_namespace_are_found_and_two_pages_see_the_same(
@@ -162,13 +153,18 @@ def test_it_ends_at_a_signal_and_says_so_to_its_pages(watch, client, number):
 
 
 def test_a_run_with_its_page(domain, tmp_path):  # noqa: ARG001 - the domain is in the environment
-    """`satvib run --watch`: the page shows the run, which is complete. Truth: the page's own first message."""
+    """`satvib run --watch`: the page shows the run, which is complete. Truth: the page's own first message.
+
+    In the composition of one process; what the page hears are the same topics.
+    """
     command = [
         sys.executable,
         '-m',
         'satvib_bringup.cli.main',
         'run',
         'quick_3dof',
+        '--composition',
+        'single',
         '--realtime',
         '--watch',
     ]
