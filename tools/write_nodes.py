@@ -43,6 +43,11 @@ satvib_msgs. The nodes of a strut live in its namespace, so `../schedule` is the
 Publishers offer *whole* unless the table says otherwise; any reader fits them. A reader asks for *whole* where it must
 have every sample (in lockstep), and for *new* in real time. `qos_overrides` parameters change what a publisher offers.
 
+A node that waits says for what: on `/diagnostics` (WARN) and every 5 s in its log. It names the topic in full, and where
+there is no source but a topic of that name elsewhere, that one too. Then it is in another namespace than its graph.
+
+A parameter that is not live (column *live*) is refused in a running node, with the reason that stands there.
+
 Exit codes of every node: 0 after SIGINT, SIGTERM or the end of its work; 1 when a run failed; 2 when a person must
 correct something. In both cases the last line says what.
 """
@@ -70,7 +75,7 @@ NODES = (
         'satvib_plant_sim.nodes.plant_sim_node', 'PlantSimNode', 'plant_sim', '/',
         ('satvib_plant_sim.nodes.parameters', 'PlantParameters'),
         'Simulates the isolator and is the clock of the graph.',
-        'WARN while it waits for the schedule, and while a strut is at 0 V because its commands are missing.',
+        'WARN while it waits, and while a strut is at 0 V because its commands are missing; ERROR while 0 V is latched.',
         'The last sample of the schedule (exit code 0, one line with the counts); in lockstep a voltage that does '
         'not come within `lockstep_timeout`, named (1); a voltage in lockstep that is no number (2).', {},
     ),
@@ -130,7 +135,7 @@ NODES = (
         'satvib_bringup.nodes.replay_node', 'ReplayNode', 'replay', '/',
         ('satvib_bringup.nodes.replay_record', 'ReplayParameters'),
         'Publishes a measured record as the topics of a strut, for a live identifier.',
-        'WARN while it waits for an identifier; else how far it is.', 'The end of the record (0).',
+        'WARN while no identifier is there; else how far it is.', 'The end of the record (0).',
         {'file': 'RECORD'},
     ),
     Entry(

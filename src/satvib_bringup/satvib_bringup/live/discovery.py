@@ -32,20 +32,23 @@ class Discovery:
         graph: the nodes that are wanted.
         node: looks.
         schedule_out: its publisher of the schedule.
+
+    The graph is in the namespace of the node that looks; names are shown without it.
     """
 
     def __init__(self, graph: Graph, node: Node, schedule_out: Publisher) -> None:
         self.graph = graph
         self._node = node
         self._schedule_out = schedule_out
+        self._above = node.get_namespace().rstrip('/')
         self._reported: dict[str, dict[str, int]] = {}
 
     def on_diagnostics(self, message: DiagnosticArray) -> None:
         """Take what nodes report on /diagnostics about their own readers and writers."""
         for status in message.status:
             if status.level != DiagnosticStatus.STALE:
-                self._reported[status.name.lstrip('/')] = {
-                    pair.key: int(pair.value)
+                self._reported[self._inside(status.name)] = {
+                    pair.key.replace(f'{self._above}/', '/', 1): int(pair.value)
                     for pair in status.values
                     if pair.key.startswith((READERS_OF, WRITERS_OF))
                 }
@@ -53,10 +56,14 @@ class Discovery:
     def nodes(self) -> Counter[str]:
         """Satvib nodes that are in this domain, by full name without the leading slash."""
         return Counter(
-            f'{namespace}/{name}'.lstrip('/')
+            self._inside(f'{namespace.rstrip("/")}/{name}')
             for name, namespace in self._node.get_node_names_and_namespaces()
             if name in _OURS
         )
+
+    def _inside(self, full_name: str) -> str:
+        """A name without the namespace of the graph and the leading slash."""
+        return full_name.removeprefix(f'{self._above}/').lstrip('/')
 
     def foreign_nodes(self) -> list[str]:
         """Satvib nodes that do not belong to this graph, or are there twice."""
@@ -72,7 +79,8 @@ class Discovery:
         incomplete = [
             topic
             for topic, readers in self.graph.readers().items()
-            if node.count_publishers(topic) < 1 or node.count_subscribers(topic) < readers
+            if node.count_publishers(self._above + topic) < 1
+            or node.count_subscribers(self._above + topic) < readers
         ]
         return incomplete or self._unconnected()
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
+from satvib_common.ros.reporting import source_of
 from satvib_experiment.recording.cdr import stamp_and_sequence
 from satvib_experiment.recording.topics import SHARED_TOPICS, STRUT_TOPICS
 
@@ -84,6 +85,15 @@ class RecorderNode(SatvibNode[RecorderParameters]):
         """Give the counts."""
         count = sum(topic.count for topic in self.topics.values())
         return '', {'messages': count, 'written': self.sink.written}
+
+    def awaits(self) -> str:
+        """Say that there is nothing to record yet."""
+        sampled = [name for name, topic in self.topics.items() if topic.is_sampled]
+        if not sampled:
+            return f'the schedule, for the names of the struts, on {source_of(self, "schedule")}'
+        if self.newest is not None:
+            return ''
+        return f'messages of the struts, as on {source_of(self, sampled[0])}'
 
     def _on_schedule(self, message: Schedule) -> None:
         for strut in message.struts:

@@ -52,8 +52,12 @@ class ReplayNode(SatvibNode[ReplayParameters]):
 
     def diagnose(self) -> tuple[str, dict[str, object]]:
         """Say how far it is."""
-        waiting = '' if self.began is not None else 'waiting for an identifier'
-        return waiting, {'sequence': self.k - 1, 'of': len(self.record.upper)}
+        return '', {'sequence': self.k - 1, 'of': len(self.record.upper)}
+
+    def awaits(self) -> str:
+        """Say that no identifier is there."""
+        hears = self.resolve_topic_name(f'{self.parameters.strut}/acceleration')
+        return '' if self.began is not None else f'an identifier that hears {hears}'
 
     def tick(self) -> float:
         """Publish what is due."""

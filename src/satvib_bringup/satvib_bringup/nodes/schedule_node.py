@@ -89,10 +89,10 @@ class ScheduleNode(SatvibNode[ScheduleParameters]):
         self._publish()
         return super().tick()
 
-    def diagnose(self) -> tuple[str, dict[str, object]]:
-        """Report what it waits for."""
+    def awaits(self) -> str:
+        """Give the first that is missing."""
         missing = self.discovery.missing() if self.waits else []
-        return f'waiting for {missing[0]}' if missing else '', {}
+        return f'{missing[0]}, before the schedule is published' if missing else ''
 
     def _publish(self) -> None:
         now = self.get_clock().now().to_msg()

@@ -116,8 +116,8 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         """Publish the state on /diagnostics."""
         reporting = self.reporting
         complaint, figures = self.diagnose()
-        if reporting.awaited:
-            complaint = complaint or f'waits for {reporting.awaited}'
+        if not complaint and (awaited := reporting.awaited()):
+            complaint = f'waits for {awaited}'
         figures |= reporting.connections()
         reporting.diagnostics.publish(self.active, complaint, figures, failed=self.is_at_fault())
 

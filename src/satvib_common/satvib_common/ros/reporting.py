@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from satvib_common.ros.node import SatvibNode
 
 _PERIOD = 1.0  # s
+QUIET = 1.0  # s, without what comes with every sample, after which it is missed
 # s and times: how often a young node looks whether it has found others
 _LOOK, _LOOKS = 0.1, 300
-_SAY_EVERY = 5.0  # s
+_SAY_EVERY = 5.0  # s, to the nearest report
 
 
 class Reporting:
@@ -30,13 +31,12 @@ class Reporting:
 
     Attributes:
         diagnostics: where they go.
-        awaited: what the node has waited for since the report before; empty: for nothing.
     """
 
     def __init__(self, node: 'SatvibNode[Any]') -> None:
         self._node = node
         self.diagnostics = Diagnostics(node)
-        self.awaited = self._before = ''
+        self._before = ''
         self._since = self._said = 0.0
         self._found: dict[str, object] = {}
         self._looks = 0
@@ -49,19 +49,21 @@ class Reporting:
         found = {READERS_OF + w.topic_name: w.get_subscription_count() for w in node.writers()}
         return found | {WRITERS_OF + r.topic_name: r.get_publisher_count() for r in node.readers()}
 
+    def awaited(self) -> str:
+        """What the node waits for; empty: for nothing."""
+        return self._node.awaits() if self._node.active else ''
+
     def _report(self) -> None:
-        self._await(self._node.awaits() if self._node.active else '')
         self._node.report_state()
+        self._await(self.awaited())
         tidy_memory()
 
     def _await(self, what: str) -> None:
-        """Take what the node waits for now; the same at two reports is waited for."""
         now = time.monotonic()
         if what != self._before:
             self._since = self._said = now
-        self.awaited = what if what == self._before else ''
         self._before = what
-        if what and now - self._said >= _SAY_EVERY:
+        if what and now - self._said > _SAY_EVERY - 0.5 * _PERIOD:
             self._said = now
             self._node.get_logger().warning(f'waits for {what} ({now - self._since:.0f} s so far)')
 

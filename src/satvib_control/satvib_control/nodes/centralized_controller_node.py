@@ -18,6 +18,7 @@ from satvib_common.struts.names import strut_names
 
 from satvib_control.core.centralized import CentralizedCore
 from satvib_control.laws.centralized.parameters import CentralizedParameters
+from satvib_control.nodes.awaited import awaited_input
 from satvib_control.nodes.controller_node import ControllerNode
 from satvib_control.nodes.sample_gatherer import SampleGatherer
 from satvib_msgs.msg import Schedule, StrutAcceleration
@@ -27,7 +28,6 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
     """Controls all struts."""
 
     stopped = 'every strut goes to 0 V from the next sample on, until reset'
-    nothing_yet = 'no acceleration of all struts yet'
 
     def __init__(self) -> None:
         super().__init__('centralized_controller', CentralizedParameters)
@@ -61,6 +61,10 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
     def samples_waiting(self) -> int:
         """How many whole samples wait for the schedule."""
         return len(self.waiting)
+
+    def awaits(self) -> str:
+        """Give what is missing for the next answer."""
+        return awaited_input(self, [f'{name}/acceleration' for name in self.names], 'schedule')
 
     def work(self, plan: PhasePlan) -> None:
         """Answer every sample that is there for all struts."""

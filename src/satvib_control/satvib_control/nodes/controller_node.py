@@ -45,7 +45,6 @@ class ControllerNode(SatvibNode[P]):
     """Controls one strut or all."""
 
     stopped = '0 V from the next sample on, until reset'
-    nothing_yet = 'no acceleration yet'
 
     def serve(self, core: ControllerCore, struts: Sequence[tuple[Index, str]]) -> None:
         """Keep the core; make the messages that are refilled and their publishers.
@@ -151,7 +150,7 @@ class ControllerNode(SatvibNode[P]):
         """Give the reasons of all struts, and the figures of the diagnostics."""
         waiting: dict[str, object] = {'samples waiting': self.samples_waiting}
         if self.last is None:
-            return self.nothing_yet, waiting
+            return '', waiting
         complaint, figures = self.report.diagnose(self.last)
         return complaint, waiting | figures
 

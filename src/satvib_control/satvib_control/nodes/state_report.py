@@ -27,6 +27,9 @@ class StateReport:
         names: of the struts, as prefixes of their topics.
         places: of the struts in the arrays of the core.
         every: samples between two states, may be changed; a change of phase, fault or reason goes out in any case.
+
+    Attributes:
+        progress_at: s of the performance counter, of the last progress; 0 before the first sample.
     """
 
     def __init__(
@@ -47,7 +50,7 @@ class StateReport:
         self._states = [blank(ControllerState) for _ in places]
         self._progress = blank(StrutProgress)
         self._shown: list[object] = [None] * len(places)
-        self._progress_at = self._slowest = 0.0
+        self.progress_at = self._slowest = 0.0
         self._last_stamp: int | None = None
 
     def publish(self, output: ControllerOutput, samples: Sequence[Any], start: float) -> None:
@@ -66,8 +69,8 @@ class StateReport:
                 s.applied_state = sample.applied_state
                 s.applied = sample.applied if sample.applied_state else math.nan
                 out.publish(s)
-        if now - self._progress_at >= _PROGRESS:
-            self._progress_at = now
+        if now - self.progress_at >= _PROGRESS:
+            self.progress_at = now
             self._show_progress(output, samples)
         self._slowest = max(self._slowest, now - start)
 

@@ -6,6 +6,7 @@ It listens to its own strut only. In lockstep a sample waits until the schedule 
 sample, until the model of the sample before is there; in real time the newest model is taken.
 """
 
+import time
 from collections import deque
 
 import numpy as np
@@ -15,11 +16,13 @@ from satvib_common.phases import PhasePlan
 from satvib_common.ros.delivery.endpoints import Input
 from satvib_common.ros.main import run_node
 from satvib_common.ros.qos import wanted
+from satvib_common.ros.reporting import QUIET, source_of
 from satvib_common.sequence import Arrival, SequenceTracker
 from satvib_ident.models.iir_model import IirModel
 from std_msgs.msg import UInt64
 
 from satvib_control.core.controller import ControllerCore
+from satvib_control.nodes.awaited import awaited_input
 from satvib_control.nodes.controller_node import ControllerNode
 from satvib_control.nodes.model_queue import ModelQueue
 from satvib_control.parameters import ControllerParameters
@@ -71,6 +74,19 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
     def samples_waiting(self) -> int:
         """How many samples wait for schedule or model."""
         return len(self.waiting)
+
+    def awaits(self) -> str:
+        """Give what is missing for the next answer."""
+        found = awaited_input(self, ['acceleration'], self.shared('schedule'))
+        quiet = time.perf_counter() - self.report.progress_at > QUIET
+        if found or not self.waiting or self.plan is None or not quiet:
+            return found
+        k = self.waiting[0][0].sequence
+        if not self._is_judged(k):
+            return (
+                f'the judgement of sample {k - 1} on {source_of(self, self.shared("supervision"))}'
+            )
+        return f'the model of sample {k - 1} on {source_of(self, "identified_model")}'
 
     def work(self, plan: PhasePlan) -> None:
         """Answer every sample that has all it needs."""

@@ -17,6 +17,7 @@ from satvib_common.phases import PhasePlan
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
+from satvib_common.ros.reporting import source_of
 from satvib_common.ros.schedule_gate import ScheduleGate
 from satvib_common.struts.names import strut_names
 from std_msgs.msg import UInt64
@@ -82,6 +83,16 @@ class SupervisorNode(SatvibNode[SupervisorParameters]):
         return '; '.join(asked), {'sequence': self.last} | {
             f'strikes of {name}': count for name, count in strikes.items()
         }
+
+    def awaits(self) -> str:
+        """Give what is missing for the next judgement."""
+        if self.plan is None:
+            return f'the schedule on {source_of(self, "schedule")}'
+        if self.last >= 0:
+            return ''
+        topics = [f'{name}/{what}' for name in self.names for what in ('acceleration', 'voltage')]
+        lacking = [t for t in topics if not self.count_publishers(self.resolve_topic_name(t))]
+        return f'samples on {source_of(self, (lacking or topics)[0])}'
 
     def _on_schedule(self, message: Schedule) -> None:
         self.plan = self.gate.take(message) or self.plan

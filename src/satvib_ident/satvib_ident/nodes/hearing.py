@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """To what an identifier listens, which changes in a run: it ends a subscription that costs and brings nothing more."""
 
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -21,6 +22,9 @@ class Hearing:
         on_voltage, on_sample: take the messages.
         follow_pace: called when the node is in lockstep from now on, or no longer.
         expected: whether samples should come now.
+
+    Attributes:
+        heard_at: s of the monotonic clock, of the last sample.
     """
 
     def __init__(
@@ -36,6 +40,7 @@ class Hearing:
         self._on_voltage, self._on_sample = on_voltage, on_sample
         self._voltages: Input | None = None
         self._samples: Input | None = None
+        self.heard_at = 0.0
         self._sources: set[bytes] = set()  # of the samples, when the node ceased to listen
 
     @property
@@ -55,6 +60,7 @@ class Hearing:
         return [self._voltages, self._samples]
 
     def _hear(self, message: StrutAcceleration) -> None:
+        self.heard_at = time.monotonic()
         if self._pace.see(message.pace, message.sequence):
             self._on_sample(message)
 

@@ -26,6 +26,7 @@ from satvib_common.struts.applied import CHANGED
 
 from satvib_ident.identifier import Identification, IdentifierCore
 from satvib_ident.model_times import ModelTimes
+from satvib_ident.nodes.awaited import awaited
 from satvib_ident.nodes.biases import Biases
 from satvib_ident.nodes.hearing import Hearing
 from satvib_ident.nodes.voltage_pairing import VoltagePairing
@@ -42,6 +43,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
     """Identifies one strut."""
 
     rank = 1
+    awaits = awaited
 
     def __init__(self) -> None:
         super().__init__('strut_identifier', IdentifierParameters)
@@ -100,12 +102,11 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
 
     def diagnose(self) -> tuple[str, dict[str, object]]:
         """Give the counts of the core."""
-        samples = self.core.tracker
+        samples, waiting = self.core.tracker, len(self.pairing)
         figures: dict[str, object] = {
-            'sequence': -1 if samples.last is None else samples.last,
-            'samples waiting': len(self.pairing),
+            'sequence': -1 if samples.last is None else samples.last, 'samples waiting': waiting,
             'samples without voltage': self.pairing.unknown,
-        }
+        }  # fmt: skip
         figures |= {name: int(np.max(value)) for name, value in self.core.counters.items()}
         return f'{samples.lost} samples lost' if samples.lost else '', figures
 
@@ -121,8 +122,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
             return False
         if not self.hearing.on:  # the run goes on without this node
             return self.hearing.is_same_source()
-        end = self.times.plan.end
-        return end == 0 or last < end - 1
+        return not (end := self.times.plan.end) or last < end - 1
 
     def _on_voltage(self, message: VcaVoltage) -> None:
         self.pairing.add_voltage(message.sequence, message.voltage)

@@ -10,11 +10,9 @@ overdue is made up for at once, so that the count follows the time. The voltages
 import time
 from functools import partial
 
-from rclpy.qos import qos_profile_sensor_data
-from rosgraph_msgs.msg import Clock
 from satvib_common.arrays import Array
 from satvib_common.errors import RunError
-from satvib_common.ros.convert import sample_stamp, set_stamp
+from satvib_common.ros.convert import sample_stamp
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
@@ -25,17 +23,20 @@ from satvib_common.struts.names import strut_names
 
 from satvib_msgs.msg import Schedule, VcaVoltage
 from satvib_plant_sim.nodes.arrivals import Arrivals
+from satvib_plant_sim.nodes.awaited import awaited
 from satvib_plant_sim.nodes.lockstep_answers import ANOTHER_PLANT, Answers
 from satvib_plant_sim.nodes.parameters import PlantParameters
 from satvib_plant_sim.nodes.plant_messages import PlantOutputs
 from satvib_plant_sim.nodes.realtime_commands import Commands
+from satvib_plant_sim.nodes.sim_clock import SimClock
 
-_CLOCK_PERIOD = 0.01  # s of wall time between two messages on /clock
 _HEAD_START = 0.2  # s from the schedule to sample 0 in real time
 
 
 class PlantSimNode(SatvibNode[PlantParameters]):
     """Simulates the isolator."""
+
+    awaits = awaited
 
     def __init__(self) -> None:
         super().__init__('plant_sim', PlantParameters)
@@ -49,8 +50,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         block = max(round(p.truth_period / plant.dt), 1)
         self.out = PlantOutputs(self.publish_on, names, plant, pace, block)
         self.arrivals = Arrivals(p.arrival_file)
-        self.clock_out = self.create_publisher(Clock, '/clock', qos_profile_sensor_data)
-        self.clock, self.clock_at, self.published_at = Clock(), 0.0, 0.0
+        self.clock, self.published_at = SimClock(self), 0.0
         self.answers = Answers(names)
         self.commands = Commands(
             names, p.command_timeout, plant.dt, p.after_silence == 'resume', p.return_time
@@ -64,7 +64,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
 
     def cleanup(self) -> None:
         """Remove the publisher of the clock."""
-        self.destroy_publisher(self.clock_out)
+        self.clock.close()
 
     def activate(self) -> None:
         """Listen; begin with the schedule, or at once."""
@@ -97,8 +97,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
     def diagnose(self) -> tuple[str, dict[str, object]]:
         """Give the counts."""
         figures: dict[str, object] = {'sequence': self.k, 'late samples': self.overdue}
-        complaint = self.commands.complaint() if self.k >= 0 else 'waiting for the schedule'
-        return complaint, figures | self.commands.counts()
+        return self.commands.complaint(), figures | self.commands.counts()
 
     def is_at_fault(self) -> bool:
         """Whether 0 V is latched somewhere."""
@@ -175,10 +174,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.arrivals.published(self.k)
         self.out.sample(sample, stamp, self.commands)
         self.published_at = now = time.monotonic()
-        if now - self.clock_at >= _CLOCK_PERIOD:
-            self.clock_at = now
-            set_stamp(self.clock.clock, stamp)
-            self.clock_out.publish(self.clock)
+        self.clock.publish(stamp, now)
 
     def _stamp(self, k: int) -> int:
         return self.stamp_of_start + sample_stamp(k, self.plant.dt)
