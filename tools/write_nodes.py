@@ -43,8 +43,12 @@ satvib_msgs. The nodes of a strut live in its namespace, so `../schedule` is the
 Publishers offer *whole* unless the table says otherwise; any reader fits them. A reader asks for *whole* where it must
 have every sample (in lockstep), and for *new* in real time. `qos_overrides` parameters change what a publisher offers.
 
-A node that waits says for what: on `/diagnostics` (WARN) and every 5 s in its log. It names the topic in full, and where
-there is no source but a topic of that name elsewhere, that one too. Then it is in another namespace than its graph.
+A node that waits says for what: on `/diagnostics` (WARN) and every 5 s in its log. It names the topic in full. Where
+there is no source but a topic of that name elsewhere, it names that one too: it is in another namespace than its graph.
+
+The topics `acceleration`, `voltage`, `identified_model` and `schedule` have one writer. Where there are two, every node
+at the topic names both in its log and on `/diagnostics`. When both speak, a controller latches 0 V (two plants, two
+identifiers), so does `plant_sim` or `daq_bridge` (two controllers), and another schedule is refused.
 
 A parameter that is not live (column *live*) is refused in a running node, with the reason that stands there.
 
@@ -75,7 +79,7 @@ NODES = (
         'satvib_plant_sim.nodes.plant_sim_node', 'PlantSimNode', 'plant_sim', '/',
         ('satvib_plant_sim.nodes.parameters', 'PlantParameters'),
         'Simulates the isolator and is the clock of the graph.',
-        'WARN while it waits, and while a strut is at 0 V because its commands are missing; ERROR while 0 V is latched.',
+        'WARN while it waits or a strut is at 0 V because its commands are missing; ERROR while 0 V is latched.',
         'The last sample of the schedule (exit code 0, one line with the counts); in lockstep a voltage that does '
         'not come within `lockstep_timeout`, named (1); a voltage in lockstep that is no number (2).', {},
     ),

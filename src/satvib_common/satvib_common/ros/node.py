@@ -116,6 +116,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         """Publish the state on /diagnostics."""
         reporting = self.reporting
         complaint, figures = self.diagnose()
+        complaint = '; '.join(filter(None, (complaint, reporting.rivals())))
         if not complaint and (awaited := reporting.awaited()):
             complaint = f'waits for {awaited}'
         figures |= reporting.connections()

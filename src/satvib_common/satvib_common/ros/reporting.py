@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from satvib_common.realtime import tidy_memory
 from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF, Diagnostics
+from satvib_common.ros.loop.rivals import too_many_writers
 
 if TYPE_CHECKING:
     from satvib_common.ros.node import SatvibNode
@@ -20,6 +21,8 @@ _PERIOD = 1.0  # s
 QUIET = 1.0  # s, without what comes with every sample, after which it is missed
 # s and times: how often a young node looks whether it has found others
 _LOOK, _LOOKS = 0.1, 300
+# topics of the loop that have one writer
+_SOLE = frozenset({'acceleration', 'voltage', 'identified_model', 'schedule', 'supervision'})
 _SAY_EVERY = 5.0  # s, to the nearest report
 
 
@@ -36,7 +39,7 @@ class Reporting:
     def __init__(self, node: 'SatvibNode[Any]') -> None:
         self._node = node
         self.diagnostics = Diagnostics(node)
-        self._before = ''
+        self._before = self._rivals_before = self._rivals_now = ''
         self._since = self._said = 0.0
         self._found: dict[str, object] = {}
         self._looks = 0
@@ -53,7 +56,24 @@ class Reporting:
         """What the node waits for; empty: for nothing."""
         return self._node.awaits() if self._node.active else ''
 
+    def rivals(self) -> str:
+        """Who else writes a topic of the loop that this node reads or writes, at two reports; empty: nobody."""
+        found = self._rivals_now
+        return found if found == self._rivals_before else ''
+
+    def _look_for_rivals(self) -> None:
+        node = self._node
+        topics = [r.topic_name for r in node.readers()] + [w.topic_name for w in node.writers()]
+        sole = [topic for topic in topics if topic.rpartition('/')[2] in _SOLE]
+        before = self.rivals()
+        self._rivals_before = self._rivals_now
+        self._rivals_now = too_many_writers(node, *dict.fromkeys(sole)) if node.active else ''
+        if (found := self.rivals()) and found != before:
+            # no error: a node that was killed stays in the graph for some seconds
+            node.get_logger().warning(found)
+
     def _report(self) -> None:
+        self._look_for_rivals()
         self._node.report_state()
         self._await(self.awaited())
         tidy_memory()

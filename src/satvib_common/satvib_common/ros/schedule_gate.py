@@ -8,7 +8,8 @@
 | another rate or other struts than the node has | `SatvibError`: the node was started wrongly | refused |
 | the plan in force, again | taken | taken |
 | another plan, no publisher is new since the run's own plan | taken | taken |
-| another plan, and a publisher is new while an old one is still there | taken | refused |
+| another plan, and a publisher is new while an old one is still there | refused | refused |
+| another plan, and several publishers were there before it | refused | taken |
 
 What is refused is logged as an error, with the names of the publishers that are new, and changes nothing. A message
 does not say who sent it, so a new publisher beside the run's own makes every change of the plan doubtful.
@@ -74,11 +75,17 @@ class ScheduleGate:
         if running and plan == self._plan:
             return plan
         infos = self._node.get_publishers_info_by_topic(self._topic)
-        present = {bytes(info.endpoint_gid): info.node_name for info in infos}
+        present = {
+            bytes(info.endpoint_gid): f'{info.node_namespace.rstrip("/")}/{info.node_name}'
+            for info in infos
+        }
         newcomers = set(present) - self._publishers
-        if running and newcomers and set(present) & self._publishers:
-            names = ', '.join(sorted({present[gid] for gid in newcomers}))
-            self._refuse(f'schedule: another one while a run is on, from {names}')
+        stranger = bool(newcomers and set(present) & self._publishers)
+        doubtful = not running and self._plan not in {None, plan} and len(present) > 1
+        if (running and stranger) or doubtful:
+            names = ', '.join(sorted(present[gid] for gid in newcomers or present))
+            when = ' while a run is on' if running else ''
+            self._refuse(f'schedule: another one{when}, from {names}')
             return None
         self._plan, self._publishers = plan, set(present)
         return plan

@@ -29,7 +29,7 @@ from satvib_common.signals.statistics import MovingRms
 from satvib_ident.models.iir_model import IirModel
 
 from satvib_control.core.clipping_watch import ClippingWatch
-from satvib_control.core.faults import Faults
+from satvib_control.core.faults import STOPPED, Faults
 from satvib_control.core.output import ControllerOutput
 from satvib_control.core.reception import JOINED, LateStart, Measured, Received, Wish
 from satvib_control.core.trusted_model import TrustedModel
@@ -161,9 +161,9 @@ class ControllerCore:
         self.guard.limit = parameters.voltage_limit
         self.law.apply(parameters)
 
-    def stop(self, mask: Mask | bool = True) -> None:
-        """Latch 0 V from the next sample on where `mask` (shape) holds, until `reset`."""
-        self._faults.stop(mask)
+    def stop(self, mask: Mask | bool = True, why: int = STOPPED) -> None:
+        """Latch 0 V from the next sample on where `mask` (shape) holds, until `reset`; `why`: code of the reason."""
+        self._faults.stop(mask, why)
 
     def hold(self, mask: Mask | bool = True) -> None:
         """Fade to 0 V where `mask` (shape) holds, until `release`, for 20 s at most; the law keeps what it knows."""

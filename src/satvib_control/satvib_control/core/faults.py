@@ -37,7 +37,7 @@ class Faults:
 
     def reset(self) -> None:
         """Forget all causes but a bias that was not measured: only another CALIBRATE removes that."""
-        self._stopped = np.zeros(self.shape, dtype=bool)
+        self._stopped = np.zeros(self.shape, dtype=np.int64)  # codes of why; 0: it is not
         self._lost = np.zeros(self.shape, dtype=np.int64)  # upper samples lost in a row
         self._reason = self._biasless.copy()
         self.alarmed = bool(self._biasless.any())
@@ -47,9 +47,9 @@ class Faults:
         """Where no bias is known (shape), because CALIBRATE did not give a plausible one."""
         return self._biasless != 0
 
-    def stop(self, mask: Mask | bool = True) -> None:
-        """Stop from the next sample on where `mask` (shape) holds."""
-        self._stopped = self._stopped | mask
+    def stop(self, mask: Mask | bool = True, why: int = STOPPED) -> None:
+        """Stop from the next sample on where `mask` (shape) holds; `why`: code of the reason."""
+        self._stopped = np.where(np.asarray(mask) & (self._stopped == 0), why, self._stopped)
         self.alarmed = self.alarmed or bool(self._stopped.any())
 
     def check_bias(
@@ -78,7 +78,7 @@ class Faults:
         cause = np.where(self._lost >= loss_limit, LOST_LONG, 0)
         cause = np.where(blind, BLIND, cause)
         cause = np.where(verdict == Verdict.FAILED, DIVERGED, cause)
-        cause = np.where(self._stopped, STOPPED, cause)
+        cause = np.where(self._stopped != 0, self._stopped, cause)
         return np.where(self._reason != 0, self._reason, cause)
 
     def explain(
@@ -95,5 +95,6 @@ class Faults:
         cause = NOT_FINITE if stop is None else np.where(stop != 0, stop, NOT_FINITE)
         new = guarded.fault & (self._reason == 0)
         self._reason = np.where(new, cause, self._reason)
-        self.alarmed = bool((self._stopped | guarded.fault | (self._lost > 0)).any())
+        stopped = self._stopped != 0
+        self.alarmed = bool((stopped | guarded.fault | (self._lost > 0)).any())
         return np.where(guarded.fault, self._reason, np.where(valid, why, LOST))

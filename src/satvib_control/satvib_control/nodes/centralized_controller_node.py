@@ -42,6 +42,7 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
         )
         self.gatherer: SampleGatherer[StrutAcceleration] = SampleGatherer(p.struts)
         self.waiting: deque[tuple[int, list[StrutAcceleration]]] = deque()
+        self.newest = [-1] * p.struts  # by strut, the sample that came last
 
     def activate(self) -> None:
         """Listen to all struts and to the schedule."""
@@ -76,6 +77,11 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
             return
         if message.sequence == 0 or self.last is None:
             self.check_period(f'{self.names[strut_index]} acceleration', message)
+        odd, self.newest[strut_index] = (
+            message.sequence <= self.newest[strut_index],
+            message.sequence,
+        )
+        self.sources.see_sample(odd, f'{self.names[strut_index]}/acceleration')
         whole = self.gatherer.add(strut_index, message.sequence, message)
         if whole is not None:
             self.waiting.append((message.sequence, whole))

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A line in the log when something changes that a person must know: phase, fault, model, a voltage that is lost."""
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,6 +10,8 @@ from satvib_common.phases import Phase
 from satvib_common.struts.applied import TEXTS, Applied
 
 from satvib_control.core.output import ControllerOutput
+
+_FIGURE = re.compile(r'[\d.]+')
 
 
 class ChangeLog:
@@ -56,8 +59,9 @@ class ChangeLog:
         trust = (
             'trusted' if model.converged else f'not trusted: {model.reason or "no reason given"}'
         )
-        if (phase, order, trust) == self._model:
+        kind = phase, order, _FIGURE.sub('', trust)  # the same reason has other figures each time
+        if kind == self._model:
             return
-        self._model = phase, order, trust
+        self._model = kind
         taken = f'model of sample {model.sequence} taken' if model.converged else 'model not taken'
         self._log.info(f'sample {k}: {taken}: {order}, {trust}')

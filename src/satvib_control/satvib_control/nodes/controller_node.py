@@ -29,6 +29,7 @@ from satvib_control.core.parameters import state_every
 from satvib_control.core.reception import received_of
 from satvib_control.core.rehearsal import rehearse
 from satvib_control.nodes.change_log import ChangeLog
+from satvib_control.nodes.source_watch import SourceWatch
 from satvib_control.nodes.state_report import StateReport
 from satvib_control.parameters import ControllerParameters
 from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage
@@ -68,11 +69,9 @@ class ControllerNode(SatvibNode[P]):
         self.voltage_out = [self.publish_on(VcaVoltage, f'{name}voltage') for _, name in struts]
         names = [name for _, name in struts]
         self.report = StateReport(self.publish_on, names, self.places, 1)
-        self.changes = ChangeLog(self.get_logger(), self.places)
-        topic = f'{names[0]}acceleration'
-        self.pace = PaceFollower(
-            self, topic, self.hear, self.follow_pace, lambda: self.plan is not None
-        )
+        self.changes, self.sources = ChangeLog(self.get_logger(), self.places), SourceWatch(self)
+        topic, expected = f'{names[0]}acceleration', lambda: self.plan is not None
+        self.pace = PaceFollower(self, topic, self.hear, self.follow_pace, expected)
         ControllerNode.follow_pace(self)
 
     @abstractmethod
@@ -139,6 +138,7 @@ class ControllerNode(SatvibNode[P]):
         Raises:
             SatvibError: one stays, for no reset can give a bias.
         """
+        self.sources.reset()
         if not self.core.reset():
             raise SatvibError(
                 'reset: the bias of the upper sensor is not known, the strut stays at 0 V: '

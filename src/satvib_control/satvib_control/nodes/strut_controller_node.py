@@ -29,6 +29,9 @@ from satvib_control.parameters import ControllerParameters
 from satvib_control.supervision.supervisor import is_checked
 from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration
 
+# a sample that does not follow those before
+_ODD = frozenset({Arrival.REPEAT, Arrival.STRAY, Arrival.RESTART})
+
 
 class StrutControllerNode(ControllerNode[ControllerParameters]):
     """Controls one strut."""
@@ -131,6 +134,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
 
     def _on_model(self, message: IirParameters) -> None:
         self.check_period(f'{self.strut} identified_model', message)
+        self.sources.see_model(message.sequence, 'identified_model')
         self.core.know_biases(message.bias, message.bias_lower)
         self.models.add(message.sequence, message, self.plan, message.next_sequence)
         self.proceed()
@@ -141,6 +145,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         if not self.pace.see(message.pace, message.sequence):
             return
         arrival = self.tracker.classify(message.sequence)
+        self.sources.see_sample(arrival in _ODD, 'acceleration')
         if arrival in {Arrival.FIRST, Arrival.RESTART}:
             self.check_period(f'{self.strut} acceleration', message)
             self.waiting.clear()

@@ -28,8 +28,8 @@ def model(sequence, converged=True, reason='', poles=2):
 
 def test_a_model_is_one_line_for_each_phase_and_each_change(changes):
     log, lines = changes
-    log.see_model(50, Phase.IDENTIFY, model(49, converged=False, reason='too few samples'))
-    log.see_model(100, Phase.IDENTIFY, model(99, converged=False, reason='too few samples'))
+    log.see_model(50, Phase.IDENTIFY, model(49, converged=False, reason='9 samples of 50'))
+    log.see_model(100, Phase.IDENTIFY, model(99, converged=False, reason='35 samples of 50'))
     log.see_model(150, Phase.IDENTIFY, model(149))
     log.see_model(200, Phase.IDENTIFY, model(199))
     log.see_model(250, Phase.CONTROL, model(249))
@@ -37,7 +37,7 @@ def test_a_model_is_one_line_for_each_phase_and_each_change(changes):
     log.see_model(350, Phase.CONTROL, model(349, poles=3))
     order = '2 poles, 3 coefficients, delay 1'
     assert lines() == [
-        ('INFO', f'sample 50: model not taken: {order}, not trusted: too few samples'),
+        ('INFO', f'sample 50: model not taken: {order}, not trusted: 9 samples of 50'),
         ('INFO', f'sample 150: model of sample 149 taken: {order}, trusted'),
         ('INFO', f'sample 250: model of sample 249 taken: {order}, trusted'),
         (

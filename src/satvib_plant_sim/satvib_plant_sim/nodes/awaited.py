@@ -1,13 +1,20 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What plant_sim waits for, in words."""
+"""What plant_sim waits for, and who else is in its place or its controllers', in words."""
 
 import time
 from typing import Any
 
 import numpy as np
+from satvib_common.ros.loop.rivals import too_many_writers
 from satvib_common.ros.reporting import QUIET, source_of
 from satvib_common.struts.applied import Applied
+
+
+def others_of(node: Any, strut_index: int) -> str:
+    """Give a text that names two controllers of a strut, or two plants; empty: there is one of each."""
+    strut = node.names[strut_index]
+    return too_many_writers(node, f'{strut}/voltage', f'{strut}/acceleration')
 
 
 def awaited(node: Any) -> str:

@@ -3,7 +3,7 @@
 """Collects the voltages of one sample, one per strut, for lockstep."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from satvib_common.errors import RunError, SatvibError
@@ -19,12 +19,17 @@ class Answers:
 
     Args:
         names: of the struts.
+        others: names who else answers for a strut, or is in the plant's place.
     """
 
-    def __init__(self, names: Sequence[str]) -> None:
-        self.names = tuple(names)
+    def __init__(self, names: Sequence[str], others: Callable[[int], str] = lambda _: '') -> None:
+        self.names, self._others = tuple(names), others
         self.voltage = np.zeros(len(self.names))
         self._answered = [-1] * len(self.names)
+
+    def has(self, strut_index: int, k: int) -> bool:
+        """Whether a strut has answered sample k."""
+        return self._answered[strut_index] >= k
 
     def take(self, strut_index: int, sequence: int, voltage: float, k: int) -> bool:
         """Take a voltage for the present sample k; True when every strut has answered k.
@@ -38,6 +43,7 @@ class Answers:
             raise RunError(
                 f'{name}: a voltage for sample {sequence} before that sample was published: a '
                 'controller of another run is alive; stop it, or use another ROS_DOMAIN_ID'
+                + (f'; {others}' if (others := self._others(strut_index)) else '')
             )
         if sequence < k or self._answered[strut_index] == k:
             return False  # a controller that was started again sends an old answer

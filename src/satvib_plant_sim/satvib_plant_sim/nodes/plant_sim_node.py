@@ -23,7 +23,7 @@ from satvib_common.struts.names import strut_names
 
 from satvib_msgs.msg import Schedule, VcaVoltage
 from satvib_plant_sim.nodes.arrivals import Arrivals
-from satvib_plant_sim.nodes.awaited import awaited
+from satvib_plant_sim.nodes.awaited import awaited, others_of
 from satvib_plant_sim.nodes.lockstep_answers import ANOTHER_PLANT, Answers
 from satvib_plant_sim.nodes.parameters import PlantParameters
 from satvib_plant_sim.nodes.plant_messages import PlantOutputs
@@ -51,11 +51,11 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.out = PlantOutputs(self.publish_on, names, plant, pace, block)
         self.arrivals = Arrivals(p.arrival_file)
         self.clock, self.published_at = SimClock(self), 0.0
-        self.answers = Answers(names)
+        others, resume = partial(others_of, self), p.after_silence == 'resume'
+        self.answers, self.ahead, self.others = Answers(names, others), Rivals(), others
         self.commands = Commands(
-            names, p.command_timeout, plant.dt, p.after_silence == 'resume', p.return_time
-        )
-        self.ahead = Rivals()
+            names, p.command_timeout, plant.dt, resume, p.return_time, others
+        )  # fmt: skip
         self.k, self.end_at, self.awaited = -1, 0, 0  # sample that is out, end, voltages to come
         self.gate = ScheduleGate(self, 'schedule', 1.0 / plant.dt, lambda: self.k >= 0, self.names)
         self.stamp_of_start = self.overdue = 0
@@ -138,13 +138,14 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         if k < 0:
             return  # of a run before
         if self.zero is None:
+            self.commands.is_answered(i, self.answers.has(i, sequence) and voltage != 0.0)
             if self.answers.take(i, sequence, voltage, k):
                 self._advance(self.commands.pass_on(self.answers.voltage), None)
             return
         now = time.monotonic()
         self.arrivals.arrived(i, sequence)
         if self.ahead.saw(sequence > k):
-            raise RunError(f'{self.names[i]}: {ANOTHER_PLANT}')
+            raise RunError(f'{self.names[i]}: {ANOTHER_PLANT}; {self.others(i)}')
         since = max(now - self.zero - k * self.plant.dt, 0.0)
         self.commands.take(i, sequence, voltage, now, since, k)
         self.awaited -= sequence == k

@@ -18,7 +18,7 @@ Times are s on any steady clock, given by the caller.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from satvib_common.arrays import Array, Integers
@@ -39,6 +39,7 @@ class Commands:
         period: s, sample period.
         resume: go on after a silence; else latch.
         return_time: s, over which the voltage rises after a silence.
+        others: names who else answers for a strut, for people.
 
     Attributes:
         late, stale: voltages that answered a sample before the present one; those among them that did not count.
@@ -56,9 +57,10 @@ class Commands:
         period: float,
         resume: bool = True,
         return_time: float = 0.3,
+        others: Callable[[int], str] = lambda _: '',
     ) -> None:
         struts = len(names)
-        self.names, self.period = tuple(names), period
+        self.names, self.period, self._others = tuple(names), period, others
         self.apply(timeout, resume, return_time)
         self.late = self.stale = 0
         self.fault = np.zeros(struts, dtype=bool)
@@ -94,10 +96,7 @@ class Commands:
         last = self._answered[strut]
         self.late += sequence < k
         # a controller that comes to rest says 0 V for a sample that it has answered
-        again = sequence <= last and voltage != 0.0
-        if self._rivals[strut].saw(again):
-            self.latch(strut, RIVALS)
-        if again:
+        if self.is_answered(strut, sequence <= last and voltage != 0.0):
             return
         self._answered[strut] = max(sequence, last)
         if not math.isfinite(voltage):
@@ -107,6 +106,13 @@ class Commands:
         elif not self.fault[strut]:
             self._last_time[strut] = now
             self._wanted[strut], self._arrival[strut] = voltage, since
+
+    def is_answered(self, strut: int, again: bool) -> bool:
+        """Take whether a voltage answers a sample that has its answer; many of them latch 0 V. Gives `again`."""
+        if self._rivals[strut].saw(again):
+            others = self._others(strut)
+            self.latch(strut, f'{RIVALS}: {others}' if others else RIVALS)
+        return again
 
     def latch(self, strut: int, why: str) -> None:
         """Latch 0 V."""

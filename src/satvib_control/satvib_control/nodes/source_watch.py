@@ -1,0 +1,50 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a controller hears two plants or two identifiers: then it latches 0 V, and names them in its log.
+
+Two names in the graph prove nothing, for a node that was killed stays there for some seconds. Two sources that speak in
+turns are found by the order of their messages (`satvib_common.sequence.Rivals`).
+"""
+
+from typing import Any
+
+from satvib_common.ros.loop.rivals import too_many_writers
+from satvib_common.sequence import Rivals
+
+from satvib_control.laws.reasons import reason, text_of
+
+SAMPLES = reason('fault: two sources of samples; end one of them, then call ~/reset')
+MODELS = reason('fault: two sources of models; end one of them, then call ~/reset')
+
+
+class SourceWatch:
+    """The sources of one controller node.
+
+    Args:
+        node: it, with its `core`.
+    """
+
+    def __init__(self, node: Any) -> None:
+        self._node = node
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin again."""
+        self._samples, self._models = Rivals(), Rivals()
+        self._newest = -1
+
+    def see_sample(self, odd: bool, topic: str) -> None:
+        """Take a sample of a topic, and whether it does not follow those before."""
+        if self._samples.saw(odd):
+            self._latch(SAMPLES, topic)
+
+    def see_model(self, sequence: int, topic: str) -> None:
+        """Take a model of a topic, by the sample that it includes last."""
+        odd, self._newest = sequence <= self._newest, sequence
+        if self._models.saw(odd):
+            self._latch(MODELS, topic)
+
+    def _latch(self, why: int, topic: str) -> None:
+        self._node.core.stop(why=why)
+        named = too_many_writers(self._node, topic)
+        self._node.get_logger().error(f'0 V: {text_of(why)}{": " if named else ""}{named}')
