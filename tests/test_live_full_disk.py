@@ -133,7 +133,7 @@ def fill(progress):
         pass
 
 scenario = load_scenario('soft_3dof', ['duration=600'])
-outcome = run_experiment(scenario, Path('run'), realtime=False, record=True, progress=fill)
+outcome = run_experiment(scenario, Path('run'), progress=fill, composition='strut')
 print(outcome.success, outcome.exit_code, outcome.message)
 others.close()
 Path('others').unlink()
