@@ -93,6 +93,25 @@ def test_a_device_that_is_not_there_is_said_in_one_line(stand):
     assert 'Traceback' not in stand.said('bridge')
 
 
+def test_it_says_what_a_run_waits_for(stand):
+    """Truth: what was given. First the schedule, by its full name, then somebody who arms it."""
+    from satvib_common.ros.qos import offered
+
+    from satvib_msgs.msg import Schedule
+
+    stand.write_channels(**LOOPBACK)
+    stand.start_bridge()
+    stand.until_state('IDLE')
+    waits = 'waits for the schedule on /schedule, on which no node publishes'
+    stand.until(lambda: waits in stand.said('bridge'), 'a line about the schedule')
+    plan = stand.node.create_publisher(Schedule, '/schedule', offered(1))
+    stand.start_answerers()
+    struts = ['strut_1', 'strut_2', 'strut_3']
+    plan.publish(Schedule(sample_period=0.01, struts=struts, phases=[0], first_sequence=[0]))
+    stand.until(lambda: 'waits for ~/arm' in stand.said('bridge'), 'a line about ~/arm')
+    stand.drive()
+
+
 def test_a_second_publisher_is_refused(stand):
     """While it drives, as a fault; and at arming, with the reason."""
     stand.write_channels(**LOOPBACK)

@@ -219,6 +219,16 @@ class Bridge:
                 f'no sample for {silence * 1e3:.0f} ms: the device or its line stalls'
             )
 
+    def awaited(self) -> str:
+        """Give what the run needs to begin, in words; empty: nothing."""
+        if self.running or self.over or self.states.state not in {State.IDLE, State.ARMED}:
+            return ''
+        if not self.bias.learnt:
+            return 'the bias of the sensors, at rest'
+        if self.parameters.wait_for_schedule and self._end < 0:
+            return 'the schedule'
+        return '~/arm' if self.states.state is State.IDLE else ''
+
     def diagnose(self) -> dict[str, object]:
         """Give state, counts, times, bias, and the guardian's figures."""
         counts = {

@@ -12,22 +12,20 @@ called. Services: ~/arm, ~/stop, ~/estop, ~/reset, ~/calibrate. Every change of 
 import time
 from functools import partial
 
-from satvib_common.ros.convert import set_stamp
-from satvib_common.ros.loop.applied_block import AppliedBlocks
 from satvib_common.ros.loop.rivals import too_many_writers
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
+from satvib_common.ros.reporting import source_of
 from satvib_common.ros.schedule_gate import ScheduleGate
-from satvib_common.struts.applied import Pace
 
 from satvib_daq_bridge.bridge.bridge import Bridge, Published
 from satvib_daq_bridge.bridge.session import Session
+from satvib_daq_bridge.nodes.bridge_messages import BridgeOutputs
 from satvib_daq_bridge.parameters import BridgeParameters
 from satvib_daq_bridge.states import State, Transition
-from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage, VoltageApplied
+from satvib_msgs.msg import Schedule, VcaVoltage
 
-_BLOCK = 10  # samples
 _LATCHED = {State.FAULT, State.ESTOP}
 
 
@@ -55,12 +53,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         )
         self.epoch = time.time_ns() - time.monotonic_ns()
         struts = self.bridge.struts
-        self.outs = [self.publish_on(StrutAcceleration, f'{s}/acceleration') for s in struts]
-        pace = int(Pace.LOCKSTEP if self.bridge.virtual else Pace.CLOCK)
-        self.messages = [StrutAcceleration(sample_period=p.period, pace=pace) for _ in struts]
-        self.applied = AppliedBlocks(struts, VoltageApplied, self.publish_on, _BLOCK)
-        for message, name in zip(self.messages, struts, strict=True):
-            message.header.frame_id = name
+        self.out = BridgeOutputs(self.publish_on, struts, p.period, self.bridge.virtual)
         self.every(0.02, self._serve)
         self.every(0.1, self._look_for_others)
         for what in ('arm', 'estop', 'calibrate'):
@@ -123,6 +116,11 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
         self._serve()
         return 0.1
 
+    def awaits(self) -> str:
+        """Give what the run needs to begin, or the strut that has never answered."""
+        what = self.bridge.awaited()
+        return what.replace('schedule', f'schedule on {source_of(self, "schedule")}')
+
     def _on_schedule(self, message: Schedule) -> None:
         plan = self.gate.take(message)
         if plan is not None:
@@ -147,19 +145,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
 
     def _publish(self, published: Published) -> None:
         stamp = round(published.time * 1e9) + self.epoch
-        for i, (message, out) in enumerate(zip(self.messages, self.outs, strict=True)):
-            set_stamp(message.header.stamp, stamp)
-            message.sequence = published.sequence
-            message.upper, message.lower = float(published.upper[i]), float(published.lower[i])
-            message.applied = float(published.applied[i])
-            message.applied_state = int(published.applied_state[i])
-            message.upper_clipped = bool(published.upper_clipped[i])
-            message.lower_clipped = bool(published.lower_clipped[i])
-            out.publish(message)
-        if published.sequence:
-            before = published.sequence - 1, stamp - round(self.parameters.period * 1e9)
-            why = [self.bridge.states.reason] * len(self.outs)
-            self.applied.add(published.applied, published.applied_state, why, *before)
+        self.out.publish(published, stamp, self.bridge.states.reason)
 
     def _others(self) -> str:
         """Give a text about two publishers of voltages of one strut; empty without them."""
@@ -186,8 +172,9 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
     def report_state(self) -> None:
         """Publish the state of the bridge on /diagnostics."""
         states, out = self.bridge.states, self.reporting.diagnostics
+        awaited = self.reporting.awaited()
         complaint = states.reason if states.state in _LATCHED else ''
-        well = f'{states.state.name}: {states.reason}'
+        well = f'{states.state.name}: {states.reason}{"; waits for " if awaited else ""}{awaited}'
         out.publish(True, complaint, self.bridge.diagnose(), well, bool(complaint))
 
 
