@@ -85,7 +85,9 @@ def test_a_session_says_what_the_page_says(page, session, tmp_path):
     for i, (command, _) in enumerate(session):
         script.append(f'printf "@@@{i}\\n"')
         script.append(
-            f'{command[:-1]} >"terminal-{i}" 2>&1 &' if command.endswith(' &') else command
+            f'{command[:-1]} >"terminal-{i}" 2>&1 &'
+            if command.endswith(' &')
+            else f'{command}\ncode=$?; [ $code = 0 ] || echo "exit code $code"'
         )
     script += ['printf "@@@end\\n"', 'kill $(jobs -p) 2>/dev/null', 'wait']
     environment = {k: v for k, v in os.environ.items() if k != 'SATVIB_ROOT'} | {'COLUMNS': '110'}
@@ -100,6 +102,10 @@ def test_a_session_says_what_the_page_says(page, session, tmp_path):
         wanted = pattern([line for line in expected if line.strip()])
         plain = ''.join(f'{line}\n' for line in output.splitlines() if line.strip())
         assert re.fullmatch(wanted, plain), f'{page}: {command}\n{output}'
+        # what the page leaves out must not hide that a command was refused
+        assert 'exit code' in ''.join(expected) or not re.search(
+            r'^exit code \d+$', output, re.MULTILINE
+        ), f'{page}: {command}\n{output}'
 
 
 def test_the_code_of_the_page_about_tests(start):

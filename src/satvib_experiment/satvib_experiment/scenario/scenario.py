@@ -26,7 +26,7 @@ from satvib_plant_sim.rig.any_rig import AnyRig, load_any_rig, strut_count
 from satvib_experiment.scenario.centralized_scheme import centralized_parameters, take_gains
 from satvib_experiment.scenario.folder import scenario_path
 from satvib_experiment.scenario.memory import check_memory
-from satvib_experiment.scenario.settings_file import load_settings, resolve_path
+from satvib_experiment.scenario.settings_file import SCENARIO_PATHS, load_settings, resolve_path
 
 if TYPE_CHECKING:
     from satvib_control.parameters import ControllerParameters
@@ -249,12 +249,13 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
     Args:
         name_or_path: a name of `scenario_names()`, or the path of a YAML file.
         overrides: changes as 'key=value' with dots for nested keys; 'rig.payload.mass=12' changes the rig.
+            A relative path in them refers to the current folder, one in the file to the folder of the file.
 
     Raises:
         SatvibError: no such scenario, or anything in it that is wrong.
     """
     path = scenario_path(name_or_path)
-    data = load_settings(path, overrides)
+    data = load_settings(path, overrides, SCENARIO_PATHS)
     take_gains(data, path)
     data.setdefault('name', path.stem)
     scenario = Scenario.from_mapping(data, str(path))

@@ -2,17 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Names, paths and contents of settings files: what scenarios, studies and campaigns share."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
 from satvib_common.files.yaml_file import load_yaml
-from satvib_common.settings_text import change_settings
+from satvib_common.settings_text import change_settings, parse_setting, setting_text
 
 # keys that begin so hold what the file uses elsewhere, by anchor and alias
 ASIDE = ('x_', 'x-')
+# keys of a scenario that may hold the path of a file
+SCENARIO_PATHS = ('rig', 'centralized.file')
 
 
 def resolve_path(name_or_path: str, folder: Path) -> str:
@@ -20,6 +22,20 @@ def resolve_path(name_or_path: str, folder: Path) -> str:
     if name_or_path.endswith(('.yaml', '.yml')) and not Path(name_or_path).is_absolute():
         return str((folder / name_or_path).resolve())
     return name_or_path
+
+
+def resolve_paths(key: str, value: Any, paths: Sequence[str], folder: Path) -> Any:
+    """Make the relative paths in a value of settings relative to a folder.
+
+    Args:
+        key: of the value, with dots.
+        value: text, or a mapping with keys of its own; anything else stays as it is.
+        paths: keys that hold paths, with dots.
+        folder: what a relative path refers to.
+    """
+    if isinstance(value, Mapping):
+        return {k: resolve_paths(f'{key}.{k}', v, paths, folder) for k, v in value.items()}
+    return resolve_path(value, folder) if key in paths and isinstance(value, str) else value
 
 
 def names_in(folder: Path) -> list[str]:
@@ -47,10 +63,17 @@ def settings_path(kind: str, name_or_path: str | Path, folder: Path) -> Path:
     return folder / f'{text}.yaml'
 
 
-def load_settings(path: Path, overrides: Sequence[str] = ()) -> dict[str, Any]:
+def load_settings(
+    path: Path, overrides: Sequence[str] = (), paths: Sequence[str] = ()
+) -> dict[str, Any]:
     """Read a settings file and change it by 'key=value', with dots for nested keys.
 
     A key that begins with x_ or x- is left out: what stands there is for anchors.
+
+    Args:
+        path: of the file.
+        overrides: the changes. A relative path in them refers to the current folder, not to that of the file.
+        paths: keys that hold paths, with dots.
 
     Raises:
         SatvibError: it cannot be read, is no mapping, or a change does not fit.
@@ -59,5 +82,12 @@ def load_settings(path: Path, overrides: Sequence[str] = ()) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise SatvibError(f'{path}: a mapping of keys is expected')
     data = {key: value for key, value in data.items() if not str(key).startswith(ASIDE)}
-    change_settings(data, overrides)
+    change_settings(data, [_from_here(text, paths) for text in overrides])
     return data
+
+
+def _from_here(text: str, paths: Sequence[str]) -> str:
+    """A 'key=value' with its paths absolute; one without paths stays as it was given."""
+    key, value = parse_setting(text, '--set')
+    resolved = resolve_paths(key, value, paths, Path.cwd())
+    return text if resolved == value else setting_text(key, resolved)

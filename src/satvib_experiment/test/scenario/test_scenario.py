@@ -153,6 +153,35 @@ def test_a_rig_beside_the_scenario_is_found(tmp_path):
     assert load_scenario(tmp_path / 'mine.yaml').load_rig().payload.mass == 8.25
 
 
+def _rig_of_mass(path, mass):
+    data = load_scenario('paper_3dof').load_rig().to_mapping()
+    data['payload']['mass'] = mass
+    path.write_text(yaml.safe_dump(data))
+
+
+@pytest.mark.parametrize('scenario', ['quick_3dof', 'there/mine.yaml'])
+def test_a_path_of_the_command_line_is_relative_to_the_current_folder(
+    tmp_path, monkeypatch, scenario
+):
+    """Truth: two rigs and two files of gains of one name, one in the current folder, one beside the scenario."""
+    beside = tmp_path / 'there'
+    beside.mkdir()
+    for folder, value in ((tmp_path, 7.0), (beside, 8.0)):
+        _rig_of_mass(folder / 'rig.yaml', value)
+        (folder / 'gains.yaml').write_text(f'centralized: {{gains_i: [{value}, 1, 1]}}\n')
+    (beside / 'mine.yaml').write_text((FOLDER / 'quick_3dof.yaml').read_text())
+    monkeypatch.chdir(tmp_path)
+    for gains in ('centralized.file=gains.yaml', 'centralized={file: gains.yaml}'):
+        loaded = load_scenario(scenario, ['rig=rig.yaml', 'scheme=centralized', gains])
+        assert loaded.load_rig().payload.mass == 7.0
+        assert loaded.centralized['gains_i'] == [7.0, 1, 1]
+        monkeypatch.chdir('/')  # what is loaded no longer depends on the folder
+        assert loaded.load_rig().payload.mass == 7.0
+        monkeypatch.chdir(tmp_path)
+    with pytest.raises(SatvibError, match=f'{tmp_path}/other.yaml: cannot be read'):
+        load_scenario(scenario, ['rig=other.yaml'])
+
+
 def test_overrides_do_not_touch_each_other():
     """Truth: by hand."""
     data = {'rig_overrides': {'payload.mass': 1}}

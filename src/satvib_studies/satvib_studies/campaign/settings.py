@@ -29,15 +29,18 @@ from satvib_common.files.folder_name import check_folder_name
 from satvib_common.schema import Schema, param
 from satvib_common.settings_text import is_key
 from satvib_experiment.scenario.settings_file import (
+    SCENARIO_PATHS,
     load_settings,
     names_in,
     resolve_path,
+    resolve_paths,
     settings_path,
 )
 
 from satvib_studies.campaign.drawing.distribution import Distribution
 
 FOLDER = Path(__file__).parents[1] / 'campaigns'
+_PATHS = ('scenario', *(f'set.{key}' for key in SCENARIO_PATHS))
 SAMPLINGS = ('latin_hypercube', 'sobol')
 # what makes trials incomparable or belongs to the campaign itself
 _FIXED = ('name', 'description', 'rig', 'rig_overrides', 'phases', 'duration', 'analysis')
@@ -118,13 +121,16 @@ def load_campaign(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Ca
 
     Args:
         name_or_path: a name of `campaign_names()`, or the path of a YAML file.
-        overrides: changes to the campaign as 'key=value', for instance trials=100.
+        overrides: changes to the campaign as 'key=value', for instance trials=100; a relative path in them refers
+            to the current folder.
 
     Raises:
         SatvibError: no such campaign, or anything in it that is wrong.
     """
     path = settings_path('campaign', name_or_path, FOLDER)
-    data = load_settings(path, overrides)
+    data = load_settings(path, overrides, _PATHS)
+    if 'set' in data:
+        data['set'] = resolve_paths('set', data['set'], _PATHS, path.parent)
     data.setdefault('name', path.stem)
     campaign = Campaign.from_mapping(data, str(path))
     return campaign.replace(scenario=resolve_path(campaign.scenario, path.parent))

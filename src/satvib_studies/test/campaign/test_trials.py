@@ -6,6 +6,7 @@ import shlex
 
 import numpy as np
 import pytest
+import yaml
 from satvib_common.errors import SatvibError
 from satvib_experiment.analysis.evaluation import evaluate
 from satvib_experiment.recording.recording import differences
@@ -105,6 +106,33 @@ def test_the_command_of_a_trial_makes_its_scenario():
         assert words[:2] == ['./satvib', 'run']
         settings = [word for word in words[3:] if word != '--set']
         assert load_scenario(words[2], settings) == plan.scenario(trial)
+
+
+def test_paths_of_a_campaign_are_relative_to_its_file_and_those_of_the_command_line_to_the_current_folder(
+    tmp_path, monkeypatch
+):
+    """Truth: the masses written into two rigs of one name; the printed command finds the same rig from anywhere."""
+    there = tmp_path / 'there'
+    there.mkdir()
+    rig = load_scenario('paper_3dof').load_rig().to_mapping()
+    for folder, mass in ((tmp_path, 7.0), (there, 8.0)):
+        rig['payload']['mass'] = mass
+        (folder / 'rig.yaml').write_text(yaml.safe_dump(rig))
+    told = {'scenario': 'quick_3dof', 'trials': 2, 'set': {'rig': 'rig.yaml'}}
+    told |= {'parameters': {'disturbance.amplitude': {'kind': 'uniform', 'low': 0.5, 'high': 1.0}}}
+    (there / 'c.yaml').write_text(yaml.safe_dump(told))
+    monkeypatch.chdir(tmp_path)
+    for overrides, mass in (
+        ([], 8.0),
+        (['set.rig=rig.yaml'], 7.0),
+        (['set={rig: rig.yaml}'], 7.0),
+    ):
+        plan = plan_trials(load_campaign('there/c.yaml', overrides))
+        assert plan.base.load_rig().payload.mass == mass
+        settings = [word for word in shlex.split(plan.command(0))[3:] if word != '--set']
+        monkeypatch.chdir('/')
+        assert load_scenario('quick_3dof', settings).load_rig().payload.mass == mass
+        monkeypatch.chdir(tmp_path)
 
 
 def test_level_of_a_known_signal():
