@@ -244,7 +244,11 @@ def _is_unusual(memory, settings):
 
 @njit
 def _listen_in_pause(memory, settings, y):
-    """PAUSING: True once the power no longer falls; the base is then the power of the last block."""
+    """PAUSING: True once the power no longer falls; the base is then the power of the last block.
+
+    A ring and the disturbance beat, so that the power may stand still for a block while the strut still rings. A strut
+    with a strike is probably the cause again: it is heard until it is at half its power, or for the longest pause.
+    """
     dt = settings[Setting.DT]
     memory[Slot.CLOCK] += dt
     if memory[Slot.CLOCK] < FADE_TIME + RING_TIME:
@@ -257,7 +261,8 @@ def _listen_in_pause(memory, settings, y):
     falls = power < FALLING * memory[Slot.LAST_BLOCK]
     memory[Slot.LAST_BLOCK] = power
     memory[Slot.BLOCK] = memory[Slot.BLOCK_TIME] = 0.0
-    if falls and memory[Slot.CLOCK] < LONGEST_PAUSE:
+    rings = memory[Slot.STRIKES] > 0.0 and 2.0 * power > memory[Slot.BEFORE]
+    if (falls or rings) and memory[Slot.CLOCK] < LONGEST_PAUSE:
         return False
     memory[Slot.LEVEL] = power
     memory[Slot.QUICK] = power
