@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from satvib_common.errors import SatvibError
+from satvib_common.transport.leftovers import remove_leftovers
 from satvib_common.transport.reach import set_transport
 from satvib_experiment.recording.run_folder import make_run_folder
 from satvib_experiment.scenario.scenario import Scenario
@@ -85,7 +86,9 @@ def run_experiment(
         make_run_folder(folder)
         run = _Run(graph, folder, bag, interrupted)
         with Supervisor(folder / 'logs', graph_environment(), take_signals=True) as supervisor:
-            return run.go(supervisor, observer, commands, progress)
+            outcome = run.go(supervisor, observer, commands, progress)
+        remove_leftovers()
+        return outcome
 
 
 def _in_this_process(

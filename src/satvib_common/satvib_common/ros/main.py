@@ -24,6 +24,7 @@ from satvib_common.ros.delivery.exchange import Exchange
 from satvib_common.ros.host import Host, close_nodes
 from satvib_common.ros.node import DRAIN, SatvibNode
 from satvib_common.ros.place import placed
+from satvib_common.transport.leftovers import remove_leftovers
 from satvib_common.transport.reach import set_transport, warning
 
 # s, how long anything may take after the signal before the process ends regardless
@@ -59,6 +60,7 @@ def run_nodes(makes: Sequence[Make], args: Sequence[str] | None = None) -> NoRet
 def _until_the_end(makes: Sequence[Make], args: Sequence[str] | None) -> int:
     signals = _Signals()
     reach = set_transport()
+    remove_leftovers()
     rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     exchange = Exchange() if len(makes) > 1 else None
     nodes: list[SatvibNode[Any]] = []

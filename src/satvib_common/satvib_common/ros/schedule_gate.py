@@ -15,6 +15,7 @@ What is refused is logged as an error, with the names of the publishers that are
 does not say who sent it, so a new publisher beside the run's own makes every change of the plan doubtful.
 """
 
+import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -26,6 +27,7 @@ from satvib_common.ros.convert import check_period, plan_of
 
 _MOST_PHASES = 1000
 _MOST_SAMPLES = 2**53
+_REMEMBERED = 0.2  # s; to look who publishes takes a millisecond, so a flood is not looked at message by message
 
 
 class ScheduleGate:
@@ -51,6 +53,8 @@ class ScheduleGate:
         self._running, self._struts = running, list(struts)
         self._plan: PhasePlan | None = None
         self._publishers: set[bytes] = set()
+        self._foreign: PhasePlan | None = None
+        self._foreign_until = 0.0
         self.refused = 0
 
     def take(self, message: Any) -> PhasePlan | None:
@@ -74,6 +78,10 @@ class ScheduleGate:
             return None
         if running and plan == self._plan:
             return plan
+        now = time.monotonic()
+        if running and plan == self._foreign and now < self._foreign_until:
+            self.refused += 1
+            return None
         infos = self._node.get_publishers_info_by_topic(self._topic)
         present = {
             bytes(info.endpoint_gid): f'{info.node_namespace.rstrip("/")}/{info.node_name}'
@@ -85,6 +93,7 @@ class ScheduleGate:
         if (running and stranger) or doubtful:
             names = ', '.join(sorted(present[gid] for gid in newcomers or present))
             when = ' while a run is on' if running else ''
+            self._foreign, self._foreign_until = plan, now + _REMEMBERED
             self._refuse(f'schedule: another one{when}, from {names}')
             return None
         self._plan, self._publishers = plan, set(present)

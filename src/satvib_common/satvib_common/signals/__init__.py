@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from satvib_common.signals.calibration import BiasCalibration
     from satvib_common.signals.iir_filter import IirFilter
     from satvib_common.signals.integrator import LeakyIntegrator
+    from satvib_common.signals.readings import possible
     from satvib_common.signals.statistics import MovingRms
 
 __all__ = [
@@ -17,5 +18,6 @@ __all__ = [
     'IirFilter',
     'LeakyIntegrator',
     'MovingRms',
+    'possible',
 ]
 __getattr__, __dir__ = door(__name__, __file__)

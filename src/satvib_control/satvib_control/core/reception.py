@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.signals.calibration import BiasCalibration
+from satvib_common.signals.readings import possible
 from satvib_common.struts.applied import CHANGED, TEXTS, WITHHELD, Applied
 
 from satvib_control.laws.reasons import reason
@@ -74,6 +75,19 @@ class Received:
     changed: Mask | None = None
     withheld: Mask | None = None
     reason: Integers | None = None
+
+
+def readings_of(samples: Sequence[Any], shape: tuple[int, ...]) -> Sequence[Any]:
+    """Give upper and lower acceleration (m/s^2; NaN: not measured), and which of them are clipped, each of `shape`.
+
+    Args:
+        samples: as satvib_msgs/StrutAcceleration; a reading that no sensor gives counts as not measured.
+        shape: of the controller.
+    """
+    found = [
+        (possible(s.upper), possible(s.lower), s.upper_clipped, s.lower_clipped) for s in samples
+    ]
+    return list(zip(*found, strict=True)) if shape else found[0]
 
 
 def received_of(samples: Sequence[Any], shape: tuple[int, ...]) -> Received | None:

@@ -73,10 +73,9 @@ class CentralizedControllerNode(ControllerNode[CentralizedParameters]):
             self.answer(*self.waiting.popleft(), plan)
 
     def _on_acceleration(self, strut_index: int, message: StrutAcceleration) -> None:
-        if not self.pace.see(message.pace, message.sequence):
+        fits = self.fit.takes(f'{self.names[strut_index]} acceleration', message.sample_period)
+        if not fits or not self.pace.see(message.pace, message.sequence):
             return
-        if message.sequence == 0 or self.last is None:
-            self.check_period(f'{self.names[strut_index]} acceleration', message)
         odd, self.newest[strut_index] = (
             message.sequence <= self.newest[strut_index],
             message.sequence,

@@ -11,14 +11,15 @@ kind.
 import time
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from rclpy.qos import QoSProfile
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
-from satvib_common.ros.convert import check_period, fill
+from satvib_common.ros.convert import fill
 from satvib_common.ros.delivery.endpoints import Input
 from satvib_common.ros.delivery.wire import blank
+from satvib_common.ros.fit import Fit
 from satvib_common.ros.loop.pace import PaceFollower
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.schedule_gate import ScheduleGate
@@ -26,7 +27,7 @@ from satvib_common.sequence import Arrival
 
 from satvib_control.core.controller import ControllerCore, ControllerOutput
 from satvib_control.core.parameters import state_every
-from satvib_control.core.reception import received_of
+from satvib_control.core.reception import readings_of, received_of
 from satvib_control.core.rehearsal import rehearse
 from satvib_control.nodes.change_log import ChangeLog
 from satvib_control.nodes.source_watch import SourceWatch
@@ -64,6 +65,7 @@ class ControllerNode(SatvibNode[P]):
         self.gate = ScheduleGate(
             self, self.shared('schedule'), self.parameters.sample_rate, self.run_is_on
         )
+        self.fit = Fit(self, self.parameters.sample_rate, self.run_is_on)
         self.last: ControllerOutput | None = None
         self.voltages = [blank(VcaVoltage) for _ in struts]
         self.voltage_out = [self.publish_on(VcaVoltage, f'{name}voltage') for _, name in struts]
@@ -172,10 +174,6 @@ class ControllerNode(SatvibNode[P]):
             plan is not None and last is not None and (not plan.end or last.sequence < plan.end - 1)
         )
 
-    def check_period(self, name: str, message: Any) -> None:
-        """Refuse a message whose sample period is not that of this node; `name` begins the error."""
-        check_period(name, message.sample_period, self.parameters.sample_rate)
-
     def answer(
         self,
         k: int,
@@ -185,8 +183,7 @@ class ControllerNode(SatvibNode[P]):
     ) -> None:
         """Publish voltage and state of every strut for the sample of number k."""
         start = time.perf_counter()
-        readings = [(s.upper, s.lower, s.upper_clipped, s.lower_clipped) for s in samples]
-        upper, lower, up, low = zip(*readings, strict=True) if self.core.shape else readings[0]
+        upper, lower, up, low = readings_of(samples, self.core.shape)
         received = received_of(samples, self.core.shape)
         output = self.core.step(k, plan, upper, lower, arrival, up, low, received)
         for i, (place, sample) in enumerate(zip(self.places, samples, strict=True)):

@@ -133,7 +133,14 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         self.proceed()
 
     def _on_model(self, message: IirParameters) -> None:
-        self.check_period(f'{self.strut} identified_model', message)
+        what = f'{self.strut} identified_model'
+        count = len(message.a) + len(message.b)
+        if not self.fit.takes(what, message.sample_period):
+            return
+        if len(message.covariance) != count * count:
+            found = f'{len(message.covariance)} covariances for {count} parameters'
+            self.fit.refuse(SatvibError(f'{what}: {found}'))
+            return
         self.sources.see_model(message.sequence, 'identified_model')
         self.core.know_biases(message.bias, message.bias_lower)
         self.models.add(message.sequence, message, self.plan, message.next_sequence)
@@ -142,12 +149,12 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
             self._prepare(self.plan)
 
     def _on_acceleration(self, message: StrutAcceleration) -> None:
-        if not self.pace.see(message.pace, message.sequence):
+        fits = self.fit.takes(f'{self.strut} acceleration', message.sample_period)
+        if not fits or not self.pace.see(message.pace, message.sequence):
             return
         arrival = self.tracker.classify(message.sequence)
         self.sources.see_sample(arrival in _ODD, 'acceleration')
         if arrival in {Arrival.FIRST, Arrival.RESTART}:
-            self.check_period(f'{self.strut} acceleration', message)
             self.waiting.clear()
             self.judged = -1 if arrival is Arrival.RESTART else self.judged
             self.models.begin(message.sequence, new_run=arrival is Arrival.RESTART)
@@ -158,11 +165,6 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
     def _set_model(self, m: IirParameters, k: int, plan: PhasePlan) -> None:
         """Take the model with which sample k begins."""
         count = len(m.a) + len(m.b)
-        if len(m.covariance) != count * count:
-            raise SatvibError(
-                f'{self.strut} identified_model: {len(m.covariance)} covariances for {count} '
-                'parameters'
-            )
         model = IirModel(
             np.frombuffer(m.a), np.frombuffer(m.b), int(m.delay), float(m.sample_period)
         )

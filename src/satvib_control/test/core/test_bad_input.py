@@ -6,6 +6,8 @@ Truth of all tests: by hand, from the promises in docs/laws.md. Bad settings are
 messages that do not fit in tests/test_live_nodes.py, orders that do not fit in satvib_ident's test_identifier.py.
 """
 
+import math
+
 import numpy as np
 import pytest
 from satvib_common.phases import Phase, PhasePlan
@@ -154,3 +156,21 @@ def test_a_missing_lower_sensor_ends_feedforward_alone(make_isolator, make_loop,
     alone = make_loop(p.replace(law='velocity_feedback'), make_isolator(RATE), PLAN)
     _, ours = alone.run(COUNT, d, low)
     np.testing.assert_allclose(u[-200:], ours[-200:], rtol=0.0, atol=1e-4)
+
+
+@pytest.mark.parametrize('shape', [(), (3,)])
+@pytest.mark.parametrize('absurd', [math.inf, -1e300, 1.01e4, math.nan])
+def test_a_reading_that_no_sensor_gives_is_missing(shape, absurd):
+    """Truth: the largest reading that is possible, 10^4 m/s^2."""
+    from types import SimpleNamespace
+
+    from satvib_control.core.reception import readings_of
+
+    sample = SimpleNamespace(upper=absurd, lower=-1e4, upper_clipped=True, lower_clipped=False)
+    found = readings_of([sample] * (3 if shape else 1), shape)
+    upper, lower, up, low = (np.asarray(f) for f in found)
+    assert upper.shape == lower.shape == up.shape == low.shape == shape
+    assert np.isnan(upper).all()
+    assert (lower == -1e4).all()
+    assert up.all()
+    assert not low.any()

@@ -15,13 +15,15 @@ import math
 
 import numpy as np
 from satvib_common.phases import Phase, PhasePlan
-from satvib_common.ros.convert import check_period, fill, set_header
+from satvib_common.ros.convert import fill, set_header
 from satvib_common.ros.delivery.endpoints import Input
+from satvib_common.ros.fit import Fit
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
 from satvib_common.ros.schedule_gate import ScheduleGate
 from satvib_common.sequence import Arrival, SequenceTracker
+from satvib_common.signals.readings import ABSURD, possible
 from satvib_common.struts.applied import CHANGED
 
 from satvib_ident.identifier import Identification, IdentifierCore
@@ -56,6 +58,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self.core = IdentifierCore(p)
         self.times: ModelTimes | None = None
         self.gate = ScheduleGate(self, self.shared('schedule'), p.sample_rate, self._run_is_on)
+        self.fit = Fit(self, p.sample_rate, self._run_is_on)
         self.hearing = Hearing(
             self, self._on_voltage, self._on_acceleration,
             lambda: self.pairing.set_wait(self.in_lockstep), lambda: self.times is not None,
@@ -129,11 +132,10 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self._work()
 
     def _on_acceleration(self, message: StrutAcceleration) -> None:
+        if not self.fit.takes(f'{self.strut} acceleration', message.sample_period):
+            return
         arrival = self.pairing.add_sample(message.sequence, message)
         if arrival in {Arrival.FIRST, Arrival.RESTART}:
-            check_period(
-                f'{self.strut} acceleration', message.sample_period, self.parameters.sample_rate
-            )
             self.biases.begin()
         if message.applied_state and arrival not in {Arrival.REPEAT, Arrival.STRAY}:
             self._take_applied(message)
@@ -161,10 +163,8 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
     def _identify(self, sample: StrutAcceleration, voltage: float, arrival: Arrival) -> None:
         k, times = sample.sequence, self.times
         phase = Phase.STANDBY if times is None else self._phase(sample, times.plan)
-        found = self.core.step(
-            k, phase, np.asarray(sample.upper), np.asarray(voltage), arrival,
-            np.asarray(sample.upper_clipped),
-        )  # fmt: skip
+        upper, clipped = possible(sample.upper, ABSURD), np.asarray(sample.upper_clipped)
+        found = self.core.step(k, phase, np.asarray(upper), np.asarray(voltage), arrival, clipped)
         if times is None:
             return
         if times.publishes(k):

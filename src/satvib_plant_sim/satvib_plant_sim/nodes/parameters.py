@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters of the plant_sim node."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ from satvib_plant_sim.plant.failing_plant import FailingPlant, make_failing_plan
 from satvib_plant_sim.plant.failures import Failure
 from satvib_plant_sim.rig.any_rig import AnyRig, load_any_rig
 from satvib_plant_sim.rig.fine_grid import fitted_grid
+from satvib_plant_sim.rig.rig import Rig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,6 +104,11 @@ class PlantParameters(Schema):
         if not isinstance(data, list):
             raise SatvibError(f'failures: a list is expected, not {self.failures!r}')
         return tuple(Failure.from_mapping(d, f'failures[{i}]') for i, d in enumerate(data))
+
+    def voltage_limit(self) -> float:
+        """What the amplifiers of the rig can give, V; infinite where it has none."""
+        rig = self.load_rig()
+        return rig.coil.voltage_limit if isinstance(rig, Rig) else math.inf
 
     def make_plant(self) -> AnyPlant | FailingPlant:
         """Build the plant with its failures.

@@ -54,7 +54,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         others, resume = partial(others_of, self), p.after_silence == 'resume'
         self.answers, self.ahead, self.others = Answers(names, others), Rivals(), others
         self.commands = Commands(
-            names, p.command_timeout, plant.dt, resume, p.return_time, others
+            names, p.command_timeout, plant.dt, resume, p.return_time, others, p.voltage_limit(),
         )  # fmt: skip
         self.k, self.end_at, self.awaited = -1, 0, 0  # sample that is out, end, voltages to come
         self.gate = ScheduleGate(self, 'schedule', 1.0 / plant.dt, lambda: self.k >= 0, self.names)

@@ -40,6 +40,7 @@ class Commands:
         resume: go on after a silence; else latch.
         return_time: s, over which the voltage rises after a silence.
         others: names who else answers for a strut, for people.
+        limit: V, what the amplifiers can give in real time, either way.
 
     Attributes:
         late, stale: voltages that answered a sample before the present one; those among them that did not count.
@@ -58,6 +59,7 @@ class Commands:
         resume: bool = True,
         return_time: float = 0.3,
         others: Callable[[int], str] = lambda _: '',
+        limit: float = math.inf,
     ) -> None:
         struts = len(names)
         self.names, self.period, self._others = tuple(names), period, others
@@ -68,6 +70,8 @@ class Commands:
         self.events: list[str] = []
         self.voltage = np.zeros(struts)
         self.state: Integers = np.full(struts, int(Applied.APPLIED))
+        self._limit = limit
+        self._limited = np.zeros(struts, dtype=bool)
         self._wanted = np.zeros(struts)
         self._share = np.ones(struts)
         self._last_time = np.full(struts, _NEVER)
@@ -93,6 +97,8 @@ class Commands:
             since: s since sample k.
             k: the present sample.
         """
+        if sequence > k:
+            return  # the answer to a sample that is not there yet
         last = self._answered[strut]
         self.late += sequence < k
         # a controller that comes to rest says 0 V for a sample that it has answered
@@ -105,7 +111,9 @@ class Commands:
             self.stale += 1
         elif not self.fault[strut]:
             self._last_time[strut] = now
-            self._wanted[strut], self._arrival[strut] = voltage, since
+            self._wanted[strut] = min(max(voltage, -self._limit), self._limit)
+            self._limited[strut] = abs(voltage) > self._limit
+            self._arrival[strut] = since
 
     def is_answered(self, strut: int, again: bool) -> bool:
         """Take whether a voltage answers a sample that has its answer; many of them latch 0 V. Gives `again`."""
@@ -126,14 +134,14 @@ class Commands:
             self.latch(strut, STOPPED)
 
     def reset(self) -> None:
-        """Release the faults; the next voltages count again, and rise from 0 V."""
+        """Release the faults; the next voltages count again there, and rise from 0 V. Other struts feel nothing."""
         self._share[self.fault] = 0.0
+        self._last_time[self.fault] = _NEVER
+        self._wanted[self.fault] = 0.0
         for strut in np.flatnonzero(self.fault):
             self._rivals[strut].reset()
             self._tell(int(strut), '')
         self.fault[:] = False
-        self._last_time[:] = _NEVER
-        self._wanted[:] = 0.0
 
     def new_run(self) -> None:
         """The samples count from 0 again."""
@@ -143,7 +151,7 @@ class Commands:
         """Give what the period that ends now has seen: voltages (struts) and their arrivals (struts, s)."""
         arrival, self._arrival = self._arrival, np.zeros_like(self._arrival)
         quiet = now - self._last_time > self.timeout
-        if self._usual and not quiet.any() and not self.fault.any():
+        if self._usual and not (quiet | self._limited | self.fault).any():
             self.voltage = self._wanted.copy()
             return self.voltage, arrival
         never = self._last_time == _NEVER
@@ -159,6 +167,8 @@ class Commands:
         off = silent | self.fault
         self._share = np.where(off, 0.0, self._share)
         self._apply(self._wanted, off | never)
+        limited = self._limited & (self.state == Applied.APPLIED)
+        self.state = np.where(limited, Applied.LIMITED, self.state)
         self.state = np.where(never, Applied.WAITING, self.state)
         self.state = np.where(silent, Applied.SILENT, self.state)
         self.state = np.where(self.fault, Applied.LATCHED, self.state)

@@ -129,6 +129,40 @@ def test_a_voltage_that_is_no_number_latches_its_strut_alone():
     assert commands.fault.tolist() == [True, False]
 
 
+@pytest.mark.parametrize('far', [1, 10**9, 2**64 - 1])
+def test_an_answer_to_a_sample_that_is_not_there_changes_nothing(far):
+    """Truth: a strut that never got it. One such number must not make the plant deaf for the answers that follow."""
+    seen = []
+    for disturbed in (False, True):
+        clock = Clock(make(ONE))
+        for k in range(30):
+            if disturbed and k == 5:
+                clock.commands.take(0, k + far, 9.0, 0.05, 0.0, k)
+            seen.append(clock.period(1.0))
+        assert not clock.commands.fault.any()
+    assert seen[:30] == seen[30:]
+
+
+def test_a_voltage_beyond_the_amplifier_is_limited_and_said():
+    """Truth: by hand."""
+    clock = Clock(Commands(ONE, 0.05, PERIOD, limit=20.0))
+    clock.period(1.0)
+    found = [(clock.period(v), clock.state()) for v in (20.0, 1e300, -21.0, 3.0)]
+    limited, applied = Applied.LIMITED, Applied.APPLIED
+    assert found == [(20.0, applied), (20.0, limited), (-20.0, limited), (3.0, applied)]
+
+
+def test_reset_of_one_strut_is_not_felt_by_another():
+    """Truth: the other strut's voltage, which is held."""
+    commands = make(TWO)
+    commands.take(0, 0, float('nan'), 0.0, 0.0, 0)
+    commands.take(1, 0, 1.0, 0.0, 0.0, 0)
+    commands.period_over(0.01)
+    commands.reset()
+    assert commands.period_over(0.02)[0].tolist() == [0.0, 1.0]
+    assert commands.state.tolist() == [Applied.WAITING, Applied.APPLIED]
+
+
 def test_lockstep_passes_voltages_on_unless_stopped():
     """Truth: the design. The very bits; 0 V when stopped; a rise after reset."""
     commands = make(TWO)

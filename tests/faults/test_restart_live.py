@@ -9,99 +9,22 @@ import signal
 
 import numpy as np
 import pytest
-from satvib_common.phases import Phase, PhasePlan
+from satvib_common.phases import Phase
 from satvib_common.struts.applied import Applied
-
-CONTROLLER = ('satvib_control', 'strut_controller')
-IDENTIFIER = ('satvib_ident', 'strut_identifier')
-PLANT = ('satvib_plant_sim', 'plant_sim')
-RATE = 200
-TIMEOUT = 0.6  # s; a machine that does other things may be away for half a second
-LOOP = {'sample_rate': float(RATE), 'lockstep': False}
-LAW = LOOP | {'law': 'velocity_feedback', 'struts': 1, 'state_period': 0.0}
-PLAN = PhasePlan(
-    (Phase.STANDBY, Phase.CALIBRATE, Phase.IDENTIFY, Phase.CONTROL), (0, 100, 300, 1500), 0
+from strut import (
+    CONTROLLER,
+    IDENTIFIER,
+    LAW,
+    LONG,
+    LOOP,
+    PLAN,
+    PLANT,
+    RATE,
+    SOON,
+    TIMEOUT,
+    Strut,
+    shake,
 )
-# where the model need not have settled
-SOON = PhasePlan(PLAN.phases, (0, 100, 300, 700), 0)
-# for a machine on which a process needs seconds to start
-LONG = PhasePlan(PLAN.phases, (0, 100, 300, 100_000), 0)
-
-
-def shake(plan):
-    """A disturbance that begins with CONTROL; where that is far away, at 7.5 s."""
-    begin = min(7.5, plan.first[-1] / RATE)
-    return f'{{kind: sine, frequency: 10.0, amplitude: 1.0, start: {begin}}}'
-
-
-class Strut:
-    """A graph of one strut in real time, and all that it says."""
-
-    def __init__(self, start, probe, plan=PLAN, **plant):
-        from diagnostic_msgs.msg import DiagnosticArray
-
-        from satvib_msgs.msg import (
-            ControllerState,
-            IirParameters,
-            Schedule,
-            StrutAcceleration,
-            VcaVoltage,
-            VoltageApplied,
-        )
-
-        self.start, self.probe = start, probe
-        setting = {'rig': 'paper_1dof', 'lockstep': False, 'disturbance': shake(plan)}
-        setting['command_timeout'] = TIMEOUT
-        self.plant = start(*PLANT, **setting, **plant)
-        self.identifier = start(*IDENTIFIER, '/strut_1', **LOOP)
-        self.controller = start(*CONTROLLER, '/strut_1', **LAW)
-        self.samples = probe.collect(StrutAcceleration, '/strut_1/acceleration')
-        self.voltages = probe.collect(VcaVoltage, '/strut_1/voltage')
-        self.states = probe.collect(ControllerState, '/strut_1/controller_state')
-        self.models = probe.collect(IirParameters, '/strut_1/identified_model')
-        self.blocks = probe.collect(VoltageApplied, '/strut_1/voltage_applied')
-        self.reports = probe.collect(DiagnosticArray, '/diagnostics', whole=False)
-        schedule = probe.publisher(Schedule, '/schedule')
-        self.wait_for_readers(3)
-        schedule.publish(
-            Schedule(
-                scenario='test', seed=1, sample_period=1.0 / RATE, struts=['strut_1'],
-                phases=[int(p) for p in plan.phases], first_sequence=list(plan.first),
-                end_sequence=plan.end,
-            )
-        )  # fmt: skip
-
-    def wait_for_readers(self, count):
-        """Until plant, controller and identifier have found each other."""
-        node = self.probe.node
-        self.probe.wait(
-            lambda: (
-                node.count_subscribers('/strut_1/acceleration') == count
-                and node.count_subscribers('/strut_1/voltage') == count
-                and node.count_publishers('/strut_1/voltage') == 1
-                and node.count_subscribers('/schedule') == count
-            )
-        )
-
-    @property
-    def k(self):
-        return self.samples[-1].sequence if self.samples else -1
-
-    def until(self, k):
-        self.probe.wait(lambda: self.k >= k)
-
-    def applied(self):
-        """What the coil got: voltage and state by sample, as the samples say it."""
-        voltage = {s.sequence - 1: s.applied for s in self.samples}
-        state = {s.sequence - 1: Applied(s.applied_state) for s in self.samples}
-        return voltage, state
-
-    def state(self):
-        """State of the newest sample."""
-        return Applied(self.samples[-1].applied_state)
-
-    def complaints(self, name):
-        return {s.message for r in self.reports for s in r.status if s.name == name}
 
 
 def offline(strut, plan=PLAN):
@@ -128,19 +51,6 @@ def offline(strut, plan=PLAN):
     return asked
 
 
-def check_no_wrong_voltage(strut):
-    """While the strut was away or came back its coil had 0 V, or a share of a voltage that was asked for."""
-    voltage, state = strut.applied()
-    asked = sorted((v.sequence, v.voltage) for v in strut.voltages)
-    numbers = np.array([k for k, _ in asked])
-    for k, s in state.items():
-        if s in {Applied.SILENT, Applied.WAITING, Applied.LATCHED}:
-            assert voltage[k] == 0.0
-        elif s is Applied.RETURNING:
-            recent = [asked[i][1] for i in np.flatnonzero((numbers > k - 60) & (numbers <= k))]
-            assert any(abs(voltage[k]) <= abs(v) + 1e-12 for v in recent)
-
-
 def test_a_stalled_controller_is_silent_and_comes_back(start, probe):
     """Truth: the design. 0 V at once after the time-out, said by plant, controller and topic; then a rise of 0.3 s."""
     strut = Strut(start, probe, SOON)
@@ -158,7 +68,7 @@ def test_a_stalled_controller_is_silent_and_comes_back(start, probe):
     assert abs(len(rising) - 0.3 * RATE) <= 1
     assert rising[0] == silent[-1] + 1
     assert max(abs(voltage[k]) for k in range(rising[-1], rising[-1] + 40)) > 0.1
-    check_no_wrong_voltage(strut)
+    strut.check_no_wrong_voltage()
     probe.wait(lambda: 'got no fresh voltage for too long' in strut.controller.said)
     assert {Applied.SILENT, Applied.RETURNING} <= {s.applied_state for s in strut.states}
     assert '0 V: no fresh voltage for 600 ms' in strut.plant.said
@@ -242,7 +152,7 @@ def test_a_controller_that_is_started_again_goes_on(start, probe, phase, at, end
     begin = next(k for k in span if np.mean([right[i] for i in range(k, k + 50)]) > 0.9)
     print(f'{phase}: right {(begin - first) / RATE:g} s after the first fresh answer')
     assert begin - first < RATE
-    check_no_wrong_voltage(strut)
+    strut.check_no_wrong_voltage()
     check_model(strut, plan)
     assert again.popen.poll() is None
 
