@@ -6,6 +6,7 @@ Nothing sleeps: everything waits for an event, with a limit far above what is ex
 """
 
 import contextlib
+import fcntl
 import os
 import random
 import signal
@@ -40,6 +41,34 @@ def own_domain(folder: Path) -> Iterator[None]:
             if name in chosen:
                 patch.setenv(name, chosen[name])
         yield
+
+
+SHARED = Path('/dev/shm')
+
+
+def shared_memory(pid: int) -> set[str]:
+    """Names of the segments of Fast DDS that a process uses; ports belong to all participants and are left out."""
+    lines = Path('/proc', str(pid), 'maps').read_text().splitlines()
+    names = {Path(line.split()[-1]).name for line in lines if f'{SHARED}/fastrtps_' in line}
+    return {name for name in names if 'port' not in name}
+
+
+def left_in_shared_memory(names: set[str]) -> set[str]:
+    """Those that are there still, and that no process holds."""
+    there = names & {path.name for path in SHARED.iterdir()}
+    return {name for name in there if not _is_held(SHARED / f'{name.removesuffix("_el")}_el')}
+
+
+def _is_held(lock: Path) -> bool:
+    """Whether a process lives that has locked the file."""
+    try:
+        with lock.open('rb') as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except FileNotFoundError:
+        pass
+    return False
 
 
 class NodeProcess:

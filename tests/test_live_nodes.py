@@ -8,6 +8,8 @@ import signal
 import subprocess
 import sys
 
+from processes import SHARED, left_in_shared_memory, shared_memory
+
 CONTROLLER = ('satvib_control', 'strut_controller')
 IDENTIFIER = ('satvib_ident', 'strut_identifier')
 PLANT = ('satvib_plant_sim', 'plant_sim')
@@ -398,29 +400,17 @@ def test_the_schedule_of_real_time_waits_for_who_comes_late(start, probe):
 
 def test_an_ended_node_is_gone_and_leaves_no_file(start, probe):
     """Truth: the graph and the shared memory of before. The lease of DDS would keep an ended node for 20 s."""
-    from pathlib import Path
-
-    shared = Path('/dev/shm')
-
-    def mapped(pid):
-        lines = Path('/proc', str(pid), 'maps').read_text().splitlines()
-        names = {Path(line.split()[-1]).name for line in lines if '/dev/shm/fastrtps_' in line}
-        # a port belongs to all participants of a domain, a segment to one
-        return {name for name in names if 'port' not in name}
-
     for package, executable in (CONTROLLER, IDENTIFIER, PLANT):
-        before = {path.name for path in shared.iterdir()}
+        before = {path.name for path in SHARED.iterdir()}
         names = set(probe.node.get_node_names())
         process = start(package, executable, '/strut_1' if package != 'satvib_plant_sim' else '/')
         probe.wait(lambda executable=executable: executable in probe.node.get_node_names())
-        mine = mapped(process.popen.pid) - before
+        mine = shared_memory(process.popen.pid) - before
         assert mine, 'Fast DDS uses shared memory here'
         process.send(signal.SIGINT)
         assert process.wait() == 0, process.said
         probe.wait(lambda names=names: set(probe.node.get_node_names()) == names, limit=10.0)
-        probe.wait(
-            lambda mine=mine: not mine & {path.name for path in shared.iterdir()}, limit=20.0
-        )
+        probe.wait(lambda mine=mine: not left_in_shared_memory(mine), limit=20.0)
 
 
 def test_a_schedule_from_a_stranger_changes_nothing(start, probe):

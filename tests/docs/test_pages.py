@@ -56,7 +56,8 @@ def test_every_file_and_test_that_is_named_exists(page):
     if names:
         names -= {
             node.name
-            for p in (ROOT / 'src').rglob('test_*.py')
+            for top in ('src', 'tests')
+            for p in (ROOT / top).rglob('test_*.py')
             for node in ast.walk(ast.parse(p.read_text()))
             if isinstance(node, ast.FunctionDef)
         }

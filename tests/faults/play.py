@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 from faults import RATE, Fault, Mangle, Must, Restart, Second, Stall, Stranger
+from processes import left_in_shared_memory, shared_memory
 from satvib_common.struts.applied import Applied
 from strut import CONTROLLER, HERE, IDENTIFIER, LAW, LOOP, SOON, TIMEOUT, Strut
 
@@ -284,6 +285,11 @@ class Scene:
                 reader.deserialize(raw, connection.msgtype)
         topics = (f'/strut_1/{topic}' for topic in ('acceleration', 'voltage', 'controller_state'))
         broken += [f'the bag has {counts.get(t)} of {t}' for t in topics if counts.get(t, 0) < 1000]
+        segments = set().union(
+            *(shared_memory(p.popen.pid) for p in self.start.started if p.popen.poll() is None)
+        )
         self.start.close()
+        if left := left_in_shared_memory(segments):
+            broken.append(f'{len(left)} segments are left in shared memory')
         peak = max((abs(v) for k, v in self.voltage.items() if k >= begin), default=0.0)
         return Outcome(None, None, peak, 1.0, broken)

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from processes import left_in_shared_memory, shared_memory
 
 pytestmark = pytest.mark.usefixtures('domain')
 
@@ -37,12 +38,15 @@ class Killer:
         self.made = time.monotonic()
         self.start: float | None = None
         self.at: float | None = None
+        self.segments: set[str] = set()
 
     def __call__(self, progress) -> None:
         if self.start is None:
             self.start = time.monotonic() - self.made
         if self.at is None and progress.sequence >= 400:
-            os.kill(children(self.folder)[self.executable], signal.SIGKILL)
+            victim = children(self.folder)[self.executable]
+            self.segments = shared_memory(victim)
+            os.kill(victim, signal.SIGKILL)
             self.at = time.monotonic()
 
 
@@ -83,6 +87,8 @@ def test_killing_a_node_ends_the_run(executable, name, long_run, tmp_path):
     recording = read_recording(outcome.bag)
     assert len(recording.sequence) > 50
     assert recording.scenario == long_run
+    assert killer.segments
+    assert left_in_shared_memory(killer.segments) == set()
     assert children(folder) == {}
 
 
