@@ -225,20 +225,27 @@ class Scene:
         if latched:
             # no longer than is allowed, and no shorter
             last = max(begin + limit, end) + WINDOW
-            self.probe.wait(lambda: self.strut.state() is Applied.LATCHED or self.strut.k > last)
+            self.probe.wait(lambda: self.is_latched() or self.strut.k > last)
             self.until(self.strut.k + WINDOW)
-        wanted = Applied.LATCHED if latched else Applied.SILENT
-        found = [k for k in range(begin, self.strut.k) if self.state[k] is wanted]
+            found = [k for k in range(begin, self.strut.k) if self.voltage[k] == 0.0]
+            end = self.strut.k
+            # a controller that has just begun answers 0 V, too: the latch is what stays
+            while found and found != list(range(found[0], end)):
+                found = found[1:]
+            if not self.is_latched():
+                broken.append('0 V was not kept until reset')
+            self.reset()
+        else:
+            found = [k for k in range(begin, self.strut.k) if self.state[k] is Applied.SILENT]
         if not found or found[0] - begin > limit:
             broken.append(f'0 V after {found and found[0] - begin} samples, {limit} are allowed')
         if any(self.voltage[k] != 0.0 for k in found):
             broken.append('a voltage while it is said to be 0 V')
-        if latched:
-            end = self.strut.k
-            if found and found != list(range(found[0], end)):
-                broken.append('0 V was not kept until reset')
-            self.reset()
         return (found[0] - begin if found else None), end
+
+    def is_latched(self):
+        """Whether plant or controller say that 0 V is kept until `~/reset`."""
+        return self.strut.state() is Applied.LATCHED or self.strut.states[-1].fault
 
     def processes(self):
         """Those of the graph, as they are now."""

@@ -9,7 +9,7 @@ import signal
 
 import numpy as np
 import pytest
-from satvib_common.phases import Phase
+from satvib_common.phases import Phase, PhasePlan
 from satvib_common.struts.applied import Applied
 from strut import (
     CONTROLLER,
