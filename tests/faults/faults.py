@@ -187,14 +187,6 @@ STRANGERS = (
         Must.STEADY,
     ),
     Fault(
-        'a stranger: 20 V at 1 kHz', _stranger('voltage', Mangling(put={'voltage': 20.0})), Must.LATCHED, 60,
-        said='two controllers answer',
-    ),
-    Fault(
-        'a stranger: voltages with an absurd sequence',
-        _stranger('voltage', Mangling(put={'voltage': HUGE, 'sequence': FAR}), 10), Must.BOUNDED,
-    ),
-    Fault(
         'a stranger: accelerations at 1 kHz, repeated', _stranger('acceleration', Mangling()), Must.LATCHED, 60,
         said='two sources of samples',
     ),
