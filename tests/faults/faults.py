@@ -92,7 +92,7 @@ FAR = [2**63, 2**64 - 1, 10**9, 0]
 HOUR = 3600
 
 MESSAGES = (
-    Fault('voltages lost, every third', Mangle('voltage', Mangling('lose', 0.33)), Must.STEADY),
+    Fault('voltages lost, every third', Mangle('voltage', Mangling('lose', 0.33)), Must.BOUNDED),
     Fault('voltages doubled, one in twenty', Mangle('voltage', Mangling('double', 0.05)), Must.STEADY),
     Fault(
         'every voltage doubled', Mangle('voltage', Mangling('double')), Must.LATCHED, 25, said='two controllers answer',

@@ -3,22 +3,24 @@
 """The faults of `faults`, played one after the other on one graph that runs on."""
 
 import pytest
-from faults import ENDINGS, GOES_ON
+from faults import CLOCKS, ENDINGS, MESSAGES, PROCESSES, SENSORS, STRANGERS
 from play import Scene
 
 
 @pytest.mark.parametrize(
-    'ending',
-    [ENDINGS[0], *(pytest.param(ending, marks=pytest.mark.long) for ending in ENDINGS[1:])],
-    ids=lambda ending: ending.name,
+    ('faults', 'ending'),
+    [
+        pytest.param((*MESSAGES, *SENSORS, *CLOCKS), None, id='messages'),
+        pytest.param((*STRANGERS, *PROCESSES), ENDINGS[0], id='strangers', marks=pytest.mark.long),
+    ],
 )
-def test_every_fault_of_a_strut(start, probe, ending):
+def test_every_fault_of_a_strut(start, probe, faults, ending):
     """Truth: the list, which says what must become of the voltage and within which time, counted in samples."""
     scene = Scene(start, probe)
     broken = {}
-    for i, fault in enumerate(GOES_ON):
+    for i, fault in enumerate(faults):
         outcome = scene.play(fault, i)
         print(fault.name, outcome, flush=True)
         broken[fault.name] = outcome.broken
-    broken[ending.name] = scene.end(ending).broken
+    broken['the end'] = scene.end(ending).broken
     assert {name: what for name, what in broken.items() if what} == {}
