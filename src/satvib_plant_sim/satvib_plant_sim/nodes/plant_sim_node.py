@@ -142,7 +142,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
             if self.answers.take(i, sequence, voltage, k):
                 self._advance(self.commands.pass_on(self.answers.voltage), None)
             return
-        now = min(time.monotonic(), self.zero + (k + 1) * self.plant.dt)  # behind if overdue
+        now = time.monotonic()
         self.arrivals.arrived(i, sequence)
         if self.ahead.saw(sequence > k):
             raise RunError(f'{self.names[i]}: {ANOTHER_PLANT}; {self.others(i)}')
