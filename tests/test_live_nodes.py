@@ -181,6 +181,42 @@ def test_bad_parameters_are_one_line(start, tmp_path):
     assert list((tmp_path / 'bag').iterdir()) == []
 
 
+SINE = '{kind: sine, amplitude: 1, frequency: 10}'
+# arguments after --ros-args: words of the last line
+BAD_ARGUMENTS = {
+    ('-p', f'disturbance:={SINE}'): (SINE, 'Unknown YAML event', '-p "disturbance:=\'{'),
+    ('-p', 'failures:=[{kind: sensor_lost, strut: 1, time: 5}]'): ('failures:=', 'needs quotes'),
+    ('-p', 'rig:=[1, a]'): ('rig:=[1, a]', 'same type'),
+    ('-p', 'rig'): ("'-p rig'",),
+    ('-r', 'nothing'): ("'-r nothing'",),
+    ('--params-file', 'none.yaml'): ('none.yaml', 'opening YAML file'),
+    ('--log-level', 'loud'): ('--log-level loud', 'severity'),
+    ('--loud',): ('--loud',),
+    ('-p', 'use_sim_time:=perhaps'): ('use_sim_time', 'BOOL'),
+}
+
+
+def test_arguments_that_ros_cannot_read_are_one_line(start):
+    """Truth: the arguments above; the last line names them, without a place in the sources of ROS; exit code 2."""
+    processes = {given: start(*PLANT, more=given) for given in BAD_ARGUMENTS}
+    for given, words in BAD_ARGUMENTS.items():
+        one_line(processes[given], 2, 'plant_sim: ', *words)
+        assert '/src/' not in processes[given].said
+
+
+def test_a_disturbance_is_given_as_the_page_shows_it(start, probe):
+    """Truth: the line of docs/nodes.md; the plant takes it and waits for its schedule."""
+    process = start(*PLANT, more=('-p', f"disturbance:='{SINE}'"))
+    probe.wait(lambda: 'waits for the schedule' in process.said or process.popen.poll() is not None)
+    assert process.popen.poll() is None
+
+
+def test_a_wrong_domain_is_one_line(start, monkeypatch):
+    """Truth: the ROS_DOMAIN_ID of this test, which is no number."""
+    monkeypatch.setenv('ROS_DOMAIN_ID', 'mine')
+    one_line(start(*PLANT), 2, 'plant_sim: ', 'ROS_DOMAIN_ID')
+
+
 def test_a_typing_mistake_is_pointed_out(start, probe):
     """Truth: ROS passes over unknown parameters in silence; the node must not."""
     process = start(*CONTROLLER, '/strut_1', voltage_limt=12.0)

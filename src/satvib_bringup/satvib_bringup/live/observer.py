@@ -16,7 +16,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.signals import SignalHandlerOptions
+from satvib_common.ros.main import init_ros
 from satvib_common.ros.qos import offered
 
 from satvib_bringup.live.discovery import REPORTS, Discovery
@@ -44,7 +44,7 @@ class Observer:
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
         self._context = Context()
-        rclpy.init(context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        init_ros(self._context)
         self._node = Node('runner', context=self._context, start_parameter_services=False)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)

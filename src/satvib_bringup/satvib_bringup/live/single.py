@@ -20,12 +20,12 @@ from rclpy.context import Context
 from rclpy.logging import LoggingSeverity
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions
 from satvib_common.errors import RunError, SatvibError
 from satvib_common.realtime import settle_memory
 from satvib_common.ros.delivery.endpoints import Input, Output
 from satvib_common.ros.delivery.exchange import Exchange
 from satvib_common.ros.host import Host, close_nodes
+from satvib_common.ros.main import init_ros
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.place import placed
 from satvib_common.ros.qos import offered
@@ -75,7 +75,7 @@ class SingleRun:
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
         self._context = Context()
-        rclpy.init(context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        init_ros(self._context)
         self._runner = Node('runner', context=self._context, start_parameter_services=False)
         self._exchange = Exchange(closed=True)
         self._track = Track(graph)

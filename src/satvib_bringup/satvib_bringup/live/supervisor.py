@@ -10,6 +10,7 @@ that gets it ends by itself, at 0 V and with its files closed.
 import contextlib
 import ctypes
 import os
+import re
 import signal
 import subprocess
 import time
@@ -22,6 +23,10 @@ from satvib_common.errors import SatvibError
 from satvib_common.process.start import start_with_blocked_signals
 
 _PR_SET_PDEATHSIG = 1
+# signals that a process gets for no fault of its own
+_FROM_OUTSIDE = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
+# lines that are no reason to end
+_LOGGED = re.compile(r'\[(DEBUG|INFO|WARN)\]')
 _LIBC = ctypes.CDLL(None, use_errno=True)
 
 
@@ -32,7 +37,7 @@ class Exit:
     Attributes:
         name: of the process.
         code: exit code, or minus the signal's number.
-        last_line: what it said last, empty when it said nothing.
+        last_line: why, as it said itself; empty when it did not say.
     """
 
     name: str
@@ -136,7 +141,7 @@ class Supervisor:
             code = child.popen.poll()
             if code is not None and not child.reported:
                 child.reported = True
-                found.append(Exit(child.name, code, last_line(child.log)))
+                found.append(_exit_of(child))
         return sorted(found, key=lambda ending: ending.code)
 
     def kill(self, name: str) -> None:
@@ -160,7 +165,7 @@ class Supervisor:
                 child.popen.wait()
         for child in running:
             child.reported = True
-        return [Exit(c.name, c.popen.returncode, last_line(c.log)) for c in running]
+        return [_exit_of(child) for child in running]
 
 
 def _signal(child: _Child, number: signal.Signals) -> None:
@@ -182,14 +187,21 @@ def _end_with(parent: int, take_signals: bool) -> Callable[[], Any]:
     return before
 
 
-def last_line(log: Path) -> str:
-    """Give the last line of a log that says anything."""
+def _exit_of(child: _Child) -> Exit:
+    code = int(child.popen.returncode)
+    # who is killed from outside says nothing about it: its last line is about something else
+    said = '' if -code in _FROM_OUTSIDE else last_line(child.log, _LOGGED)
+    return Exit(child.name, code, said)
+
+
+def last_line(log: Path, without: re.Pattern[str] | None = None) -> str:
+    """Give the last line of a log that says anything, of those that do not begin as `without` says."""
     with contextlib.suppress(OSError):
         with log.open('rb') as source:
             source.seek(0, os.SEEK_END)
             source.seek(max(source.tell() - 4096, 0))
             lines = source.read().decode(errors='replace').splitlines()
         for line in reversed(lines):
-            if line.strip():
+            if line.strip() and not (without and without.match(line)):
                 return line.strip()
     return ''

@@ -67,6 +67,10 @@ class RecorderNode(SatvibNode[RecorderParameters]):
             path = Path(self.parameters.report)
             path.write_text(json.dumps(report, indent=2) + '\n', encoding='utf-8')
         count = sum(topic.count for topic in self.topics.values())
+        if awaited := self.awaits():
+            self.get_logger().warning(
+                f'no message of a strut is in the bag; it waited for {awaited}'
+            )
         self.get_logger().info(f'{count} messages of {len(report)} topics in {self.sink.folder}')
 
     def pause(self) -> float:
@@ -90,7 +94,8 @@ class RecorderNode(SatvibNode[RecorderParameters]):
         """Say that there is nothing to record yet."""
         sampled = [name for name, topic in self.topics.items() if topic.is_sampled]
         if not sampled:
-            return f'the schedule, for the names of the struts, on {source_of(self, "schedule")}'
+            where = source_of(self, 'schedule')
+            return f'the schedule, for the names of the struts, on {where} (or give the parameter struts)'
         if self.newest is not None:
             return ''
         return f'messages of the struts, as on {source_of(self, sampled[0])}'

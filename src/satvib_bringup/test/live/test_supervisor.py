@@ -61,6 +61,31 @@ def test_a_killed_process_is_told_by_its_signal_and_before_the_others(supervisor
     assert ended[0].how == 'was killed by SIGKILL'
 
 
+INFO = '[INFO] [1.5] [node]: the voltage reaches its coil'
+REASON = '[ERROR] [1.6] [node]: no disk'
+
+
+@pytest.mark.parametrize(
+    ('lines', 'end', 'told'),
+    [
+        ([INFO], 'sys.exit(1)', ''),
+        ([REASON, INFO], 'sys.exit(1)', REASON),
+        (['node: no disk', INFO.replace('INFO', 'WARN')], 'sys.exit(1)', 'node: no disk'),
+        ([INFO], '1 / 0', 'ZeroDivisionError: division by zero'),
+        ([REASON], 'os.kill(os.getpid(), 9)', ''),
+        ([REASON, INFO], 'os.kill(os.getpid(), 6)', REASON),
+    ],
+)
+def test_a_reason_is_an_error_and_a_killed_process_has_none(supervisor, lines, end, told):
+    """Truth: the lines and the end of the program, by hand."""
+    supervisor.start(
+        'node', python(f'import os, sys; print({chr(10).join(lines)!r}, flush=True); {end}')
+    )
+    (ended,) = wait_for(supervisor.ended)
+    assert ended.last_line == told
+    assert 'INFO' not in str(ended)
+
+
 def test_stop_asks_first_and_kills_who_does_not_listen(supervisor):
     """Truth: the programs. One ends by itself on SIGTERM, the other ignores it."""
     supervisor.start(

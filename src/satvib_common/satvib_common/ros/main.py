@@ -6,16 +6,21 @@ With rclpy's own signal handling the context is gone before the safe state can b
 SIGINT and SIGTERM are handled here, also when a shell has set them to be ignored.
 """
 
+import contextlib
 import faulthandler
+import re
 import signal
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from os import _exit
 from pathlib import Path
 from typing import Any, NoReturn
 
 import rclpy
+from rclpy.context import Context
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 from satvib_common.errors import RunError, SatvibError
@@ -35,6 +40,46 @@ _ONE_HAND = 1.0
 NICENESS = (0, 5, 10)
 
 Make = Callable[[], SatvibNode[Any]]
+
+
+def init_ros(context: Context | None = None, args: Sequence[str] | None = None) -> None:
+    """Start rclpy without its signal handling.
+
+    Args:
+        context: to start; None: the one of the process.
+        args: as of the command line; None: those of the process.
+
+    Raises:
+        SatvibError: an argument, a parameter file or a variable of the environment that ROS cannot read.
+    """
+    with _refusals():
+        rclpy.init(args=args, context=context, signal_handler_options=SignalHandlerOptions.NO)
+
+
+@contextlib.contextmanager
+def _refusals() -> Iterator[None]:
+    """What rclpy refuses when it starts, or makes a node, was given from outside."""
+    try:
+        yield
+    except rclpy_implementation.UnknownROSArgsError as error:
+        raise SatvibError(f'no argument of ROS: {error}') from None
+    except InvalidParameterTypeException as error:
+        raise SatvibError(f'parameter {str(error).partition(": ")[0]}') from None
+    except (InvalidParameterValueException, rclpy_implementation.RCLError) as error:
+        raise SatvibError(refusal(str(error))) from None
+
+
+def refusal(text: str) -> str:
+    """What the message of an rclpy error says to people, in one line."""
+    line = ' '.join(text.split()).removeprefix('failed to initialize rcl: ')
+    # where in the sources of ROS
+    line = re.sub(r',? at /\S+:\d+', '', line).replace("'. Error: ", "': ")
+    if braces := re.search(r"'-p ([^\s:]+(?::[^\s:=]+)?):=[\[{].*[}\]]'", line):
+        name = braces[1]
+        line += (
+            f'; a value with braces is a text, which needs quotes: -p "{name}:=\'{{key: value}}\'"'
+        )
+    return line
 
 
 def run_node(make: Make, args: Sequence[str] | None = None) -> NoReturn:
@@ -61,13 +106,13 @@ def _until_the_end(makes: Sequence[Make], args: Sequence[str] | None) -> int:
     signals = _Signals()
     reach = set_transport()
     remove_leftovers()
-    rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     exchange = Exchange() if len(makes) > 1 else None
     nodes: list[SatvibNode[Any]] = []
     host: Host | None = None
     try:
+        init_ros(args=args)
         for make in makes:
-            with placed(exchange):
+            with placed(exchange), _refusals():
                 nodes.append(make())
             if signals.arrived:
                 return 0

@@ -31,12 +31,13 @@ class PlantParameters(Schema):
         (), "changes to the rig, each 'key=value' as in 'payload.mass=12'", read_only=Fixed.START
     )
     disturbance: str = param(
-        'kind: none', "the disturbance as YAML, as in '{kind: sine, amplitude: 1, frequency: 10}'",
+        'kind: none',
+        'the disturbance as YAML text: -p "disturbance:=\'{kind: sine, amplitude: 1, frequency: 10}\'"',
         read_only=Fixed.START,
-    )  # fmt: skip
+    )
     failures: str = param(
         '[]',
-        "what goes wrong as YAML, as in '[{kind: sensor_lost, strut: 1, time: 5}]'",
+        'what goes wrong as YAML text: -p "failures:=\'[{kind: sensor_lost, strut: 1, time: 5}]\'"',
         read_only=Fixed.START,
     )
     seed: int = param(

@@ -13,9 +13,9 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.signals import SignalHandlerOptions
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
+from satvib_common.ros.main import init_ros
 from satvib_common.ros.qos import wanted
 
 _SLICE = 0.05  # s
@@ -77,7 +77,7 @@ class Listener:
 
     def __init__(self) -> None:
         self._context = Context()
-        rclpy.init(context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        init_ros(self._context)
         self._node = Node(_OWN, context=self._context, start_parameter_services=False)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)

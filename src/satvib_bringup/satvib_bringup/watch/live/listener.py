@@ -16,11 +16,11 @@ from rcl_interfaces.msg import ParameterEvent
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.qos import qos_profile_parameter_events
-from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF
 from satvib_common.ros.host import make_executor
+from satvib_common.ros.main import init_ros
 from satvib_common.ros.qos import wanted
 
 from satvib_bringup.watch.graph import WatchedGraph
@@ -46,7 +46,7 @@ class GraphListener:
         self.graph = graph
         self.changed: set[str] = set()
         self._context = Context()
-        rclpy.init(context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        init_ros(self._context)
         self.node = Node('watch', context=self._context, start_parameter_services=False)
         self._executor = make_executor(self._context)
         self._executor.add_node(self.node)
