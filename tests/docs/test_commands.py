@@ -64,6 +64,15 @@ def test_there_are_commands_of_every_kind():
     assert {'./satvib run', './satvib node', 'ros2 run', 'ros2 launch', 'ros2 bag'} <= kinds
 
 
+@pytest.fixture(autouse=True)
+def my_laws(tmp_path, monkeypatch):
+    """The law that the tutorial tells the reader to save, in the reader's folder."""
+    page = (ROOT / 'docs' / 'tutorials' / 'your_law.md').read_text()
+    (code,) = re.findall(r'^```python\n(.*?)^```', page, re.DOTALL | re.MULTILINE)
+    (tmp_path / 'my_laws.py').write_text(code)
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+
 @pytest.mark.parametrize(('page', 'words'), COMMANDS)
 def test_a_command_is_accepted(page, words):  # noqa: ARG001
     program, verb, *rest = words
