@@ -28,10 +28,6 @@ a gain of 1 / N^2 for r it would hardly be forgotten at all. The pace n is N / 6
 of the tone and 1.5 / |w_i - w_j| for its nearest neighbour, at most the wanted pace, and multiplied by the stretch of
 `margin`. With N >= 6 n the linearized loop has well-damped poles and tolerates a rotation of e by 80 degrees.
 
-What a strong tone leaves in e while it is not locked may be larger than a weak tone. It would draw the weak tone's
-frequency towards the strong one's, tone after tone. So s^2 of a tone contains the power q^2 / 2 of every stronger one,
-four times: until the strong one is locked, the weak one keeps its memory, or its frequency where it has no phase.
-
 A tone is lost, and its place free, when |x|^2 falls below four times what noise alone makes of it (2 s^2 / n).
 
 `lost`: for a whole window the tones have explained less than four fifths of the disturbance, and there is more than
@@ -51,7 +47,6 @@ TREND = 1.5  # gain of the rate times N^2
 LOCKED = 0.09  # (q / |x|)^2 up to which the phase counts as locked
 APART = 1.5  # rad; shortest pace times the distance to the nearest tone
 SHORTEST = 3.0  # half periods of a tone in its shortest pace
-STRONGER = 4.0  # weight of the error that stronger tones leave, in the noise of a tone
 PACES = 6.0  # in the shortest memory
 WEIGHT_AFTER_NEWS = 0.02  # of the error in its usual power, in the window after a find or a jump
 UNEXPLAINED = 0.2  # share of the disturbance's power in e above which the tones explain too little
@@ -100,7 +95,7 @@ def correct(tones, settings, tracking, noise, step, e):
         t[Tone.PACE] = tracking[Tracking.STRETCH] * max(wanted, shortest)
         power = t[Tone.RE] * t[Tone.RE] + t[Tone.IM] * t[Tone.IM] + 1e-300
         local = noise[place(t[Tone.OMEGA], settings[Setting.LOW], step, noise.shape[0])]
-        local += 1e-6 * power + STRONGER * _error_of_stronger(tones, i, power)
+        local += 1e-6 * power
         quadrature = _correct_phasor(t, power, e)
         if power < 8.0 * local / t[Tone.PACE]:
             t[Tone.RATE] = 0.0
@@ -108,19 +103,6 @@ def correct(tones, settings, tracking, noise, step, e):
         excess = _correct_frequency(t, settings, power, local, quadrature)
         _adapt_memory(t, settings, tracking, power, excess, shortest)
         t[Tone.OMEGA] = min(max(t[Tone.OMEGA], settings[Setting.LOW]), settings[Setting.HIGH])
-
-
-@njit
-def _error_of_stronger(tones, i, power):
-    """Power of the error that the stronger tones leave while they are not locked, (m/s^2)^2."""
-    total = 0.0
-    for j in range(tones.shape[0]):
-        t = tones[j]
-        if j == i or t[Tone.ON] == 0.0:
-            continue
-        if t[Tone.RE] * t[Tone.RE] + t[Tone.IM] * t[Tone.IM] > power:
-            total += 0.5 * t[Tone.QUADRATURE] * t[Tone.QUADRATURE]
-    return total
 
 
 @njit
