@@ -5,9 +5,9 @@
     ./satvib shell
     python benchmarks/several_tones.py --page docs/narrowband.md
 
-Sines of the base from 4.5 s, CONTROL from 6.5 s (phases and model as in `robustness.py`). The figure of a tone is its true
-amplitude over that of the open loop, in dB, from 24 to 26 s: the worst strut, the median of the seeds and the worst of
-them.
+Sines of the base from 4.5 s, CONTROL from 6.5 s (phases and model as in `robustness.py`). The figure of a tone is its
+true amplitude over that of the open loop, in dB, from 24 to 26 s: the worst strut, the median of seeds and the worst
+of them.
 """
 
 import argparse

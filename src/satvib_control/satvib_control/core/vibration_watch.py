@@ -50,7 +50,7 @@ at the sample rate plus and minus the tone. On `paper_3dof`, at 100 Hz, they car
 sample shows, and a strut 6.9 dB too loud was heard at 3.8 dB, near the limit, for seconds. So 2 dB less than loud is
 nearly loud, and its time is summed over RETURNING and ACTING: 0.3 s, `PATIENCE_NEAR`, 0.1 s and 0.5 s of ringing are
 3.9 s, where the level is heard 3 dB above the base. Samples give no bound for the hidden part: motion that is zero at
-every sample may have any power. The short base of a pause may be 1 dB wrong, so 3 dB of hidden level are covered, and no
+every sample may have any power. The short base of a pause may be 1 dB wrong, so 3 dB of hidden level are covered, no
 more: a strut that is heard less than 3 dB above its base can be truly louder than 6 dB, and is not found.
 
 What is not found in 5 s: an open loop that falls by more than 12 dB under a law whose level
