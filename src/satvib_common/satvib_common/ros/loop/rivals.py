@@ -8,11 +8,21 @@ order; that is what `satvib_common.sequence.Rivals` looks at.
 
 from typing import Any
 
+UNKNOWN = '_NODE_NAME_UNKNOWN_'  # as rmw has it
+
 
 def writers_of(node: Any, topic: str) -> list[str]:
-    """Give the full names of the nodes that publish on a topic, in order; one for each publisher."""
+    """Give the full names of the nodes that publish on a topic, in order; one for each publisher.
+
+    A publisher may be found before its node's name is, which takes some hundredths of a second.
+    """
     infos = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
-    return sorted(f'{info.node_namespace.rstrip("/")}/{info.node_name}' for info in infos)
+    return sorted(
+        'a node whose name is not known yet'
+        if info.node_name == UNKNOWN
+        else f'{info.node_namespace.rstrip("/")}/{info.node_name}'
+        for info in infos
+    )
 
 
 def too_many_writers(node: Any, *topics: str) -> str:
