@@ -115,8 +115,8 @@ def test_a_namespace_and_a_parameter_file(launch, probe, tmp_path):
 
 
 def test_centralized(launch):
-    said = over(launch('centralized', overrides='duration=3.0'))
-    assert 'plant_sim: 300 samples of 3 struts' in said
+    said = over(launch('centralized', overrides='duration=13.0 analysis={}'))
+    assert 'plant_sim: 1300 samples of 3 struts' in said
 
 
 def test_single(launch):
