@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from satvib_common.schema import Fixed, Schema, param
 
 
-@dataclass(frozen=True, kw_only=True)
-class LoopParameters(Schema):
-    """What a loop member must agree on with the others, and how its process runs."""
-
-    sample_rate: float = param(
+def sample_rate() -> float:
+    """The parameter of that name, for a node of its own schema too."""
+    return param(
         100.0,
         'sample rate of the acquisition',
         unit='Hz',
@@ -19,6 +17,13 @@ class LoopParameters(Schema):
         maximum=20e3,
         read_only=Fixed.GRAPH,
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopParameters(Schema):
+    """What a loop member must agree on with the others, and how its process runs."""
+
+    sample_rate: float = sample_rate()
     lockstep: bool = param(
         False,
         'hold each sample until the schedule, and at hand-over samples the model of the sample before, are there; for '

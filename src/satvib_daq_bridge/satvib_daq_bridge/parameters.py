@@ -4,6 +4,7 @@
 
 from dataclasses import dataclass
 
+from satvib_common.parameters import sample_rate
 from satvib_common.schema import Fixed, Schema, param
 
 # s
@@ -17,14 +18,7 @@ class BridgeParameters(Schema):
     """Channels, sample rate, and the longest silences."""
 
     channels: str = param(description='path of the channels file', read_only=Fixed.RIG)
-    sample_rate: float = param(
-        100.0,
-        'sample rate of the acquisition',
-        unit='Hz',
-        above=0.0,
-        maximum=20e3,
-        read_only=Fixed.GRAPH,
-    )
+    sample_rate: float = sample_rate()
     command_timeout: float = param(
         0.0,
         'oldest command that may act, counted from its sample; 0: the larger of 3 periods and '
