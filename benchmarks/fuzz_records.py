@@ -12,7 +12,7 @@ files that took more than two seconds. The last three must be 0.
 
 import numpy as np
 from fuzzing import arguments_of, judged, run
-from satvib_common.records.record import text_record
+from satvib_common.records.record import column_record
 from satvib_ident.models.iir_model import IirModel
 from satvib_ident.offline.order_search import identify
 
@@ -49,7 +49,7 @@ def write(generator, t, u, y, damage):
             lines.insert(at, '')
     head = [separator.join(['time', 'u', 'y'])]
     if generator.random() < 0.3:
-        head.append(separator.join(['s', 'V', 'g']))
+        head.append(separator.join(['s', 'V', 'm/s^2']))
     if generator.random() < 0.3:
         head = ['Logger 12', f'Rate{separator}100', '', *head]
     text = generator.choice(['\n', '\r\n']).join([*head, *lines, ''])
@@ -126,7 +126,7 @@ def outcome(path, unit):
 
 
 def _model(path):
-    record = text_record(path, 'u', 'y')
+    record = column_record(path, 'u', 'y')
     return record, identify(record.y, record.u, record.dt, [(2, 3, 0)])
 
 

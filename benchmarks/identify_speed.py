@@ -79,14 +79,16 @@ def main():
 
 
 def _text(folder, y, u):
-    from satvib_common.records.record import text_record
+    from satvib_common.records.record import column_record
 
     path = folder / 'long.csv'
     t = np.arange(len(y)) * 0.01
     np.savetxt(
         path, np.column_stack([t, u, y]), fmt='%.6g', delimiter=',', header='t,u,y', comments=''
     )
-    timed(f'reading {path.stat().st_size / 1e6:.0f} MB of CSV', lambda: text_record(path, 'u', 'y'))
+    timed(
+        f'reading {path.stat().st_size / 1e6:.0f} MB of CSV', lambda: column_record(path, 'u', 'y')
+    )
     path.unlink()
 
 

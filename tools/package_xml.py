@@ -7,7 +7,7 @@
 
 Imports inside functions count: a command that imports late needs its library all the same. What has a key in rosdep is
 a dependency; what has none stands under <export> as `pip_depend`, since rosdep refuses a whole workspace for one key
-that it does not know; what only an optional back end needs is `pip_optional` there.
+that it does not know; what only an optional back end or format needs is `pip_optional` there.
 """
 
 import ast
@@ -48,7 +48,14 @@ PIP = {
     'pyarrow': 'pyarrow',
     'zstandard': 'zstandard',
 }
-OPTIONAL = {'iio': 'pylibiio<1', 'nidaqmx': 'nidaqmx[grpc]', 'grpc': 'nidaqmx[grpc]'}
+OPTIONAL = {
+    'grpc': 'nidaqmx[grpc]',
+    'h5py': 'h5py',
+    'iio': 'pylibiio<1',
+    'nidaqmx': 'nidaqmx[grpc]',
+    'nptdms': 'nptdms',
+    'pyuff': 'pyuff',
+}
 # of ROS 2 itself: the key is the name
 ROS = re.compile(
     r'(rclpy|launch|launch_ros|ament_index_python|rosidl_runtime_py|\w+_msgs|\w+_interfaces|std_srvs)'

@@ -19,7 +19,7 @@ setup(
     maintainer_email='maintainers@satvib.invalid',
     description='What every satvib node shares',
     license='Apache-2.0',
-    extras_require={'test': ['pytest']},
+    extras_require={'test': ['pytest'], 'formats': ['h5py', 'nptdms', 'pyuff']},
     entry_points={
         'console_scripts': [],
     },

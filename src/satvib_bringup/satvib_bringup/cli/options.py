@@ -34,5 +34,8 @@ Folder = Annotated[
 ]
 Recover = Annotated[
     bool,
-    typer.Option('--recover', help='Bag: read what can be read of one with damaged bytes.'),
+    typer.Option(
+        '--recover',
+        help='Bag, LVM, TDMS, WAV: read what can be read of one that is damaged or cut.',
+    ),
 ]

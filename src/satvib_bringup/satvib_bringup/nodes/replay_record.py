@@ -13,7 +13,8 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase, PhasePlan
-from satvib_common.records.record import is_text, text_record
+from satvib_common.records.any_file import has_columns
+from satvib_common.records.record import column_record
 from satvib_common.schema import Fixed, Schema, param
 
 
@@ -23,12 +24,14 @@ class ReplayParameters(Schema):
 
     file: str = param(
         '',
-        'text file of columns (CSV, TSV, DAT, LVM ...), or a bag of satvib',
+        'file of columns (CSV, LVM, TDMS, MAT, UFF, WAV, Parquet ...), or a bag of satvib',
         read_only=Fixed.START,
     )
-    input: str = param('input', 'CSV: column of the input (voltage)', read_only=Fixed.START)
+    input: str = param(
+        'input', 'file of columns: that of the input (voltage)', read_only=Fixed.START
+    )
     output: str = param(
-        'output', 'CSV: column of the output (upper acceleration)', read_only=Fixed.START
+        'output', 'file of columns: that of the output (upper acceleration)', read_only=Fixed.START
     )
     strut: str = param(
         'strut_1',
@@ -36,7 +39,7 @@ class ReplayParameters(Schema):
         read_only=Fixed.START,
     )
     sample_rate: float = param(
-        100.0, 'sample rate of a CSV record; a bag knows its own', unit='Hz', above=0.0,
+        100.0, 'sample rate of a file of columns; a bag knows its own', unit='Hz', above=0.0,
         read_only=Fixed.START,
     )  # fmt: skip
     speed: float = param(
@@ -60,7 +63,9 @@ class ReplayParameters(Schema):
     def check(self) -> None:
         """A file is needed."""
         if not self.file:
-            raise SatvibError('file: missing; give a CSV file or a bag, as in -p file:=record.csv')
+            raise SatvibError(
+                'file: missing; give a file of columns or a bag, as in -p file:=record.csv'
+            )
 
 
 @dataclass(frozen=True)
@@ -71,7 +76,7 @@ class ReplayRecord:
         upper, lower, voltage: (samples,) m/s^2, m/s^2, V; NaN where not known.
         period: s.
         plan: phases by sample.
-        notes: what was found in a text file, a sentence each.
+        notes: what was found in a file of columns, a sentence each.
     """
 
     upper: Array
@@ -95,8 +100,8 @@ def load_record(parameters: ReplayParameters) -> ReplayRecord:
     """
     p = parameters
     path = Path(p.file)
-    if is_text(path, columns_given=False):
-        measured = text_record(path, p.input, p.output, 1.0 / p.sample_rate)
+    if has_columns(path, columns_given=False):
+        measured = column_record(path, p.input, p.output, 1.0 / p.sample_rate)
         plan = PhasePlan((Phase[p.phase],), (0,), len(measured.y))
         nothing = np.full(len(measured.y), np.nan)
         return ReplayRecord(

@@ -1,24 +1,39 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Measured records from text files of any layout: read, checked, with gaps where samples are missing."""
+"""Measured records from files of any format: read, checked, with gaps where samples are missing."""
 
 from typing import TYPE_CHECKING
 
 from satvib_common.door import door
 
 if TYPE_CHECKING:
+    from satvib_common.records.any_file import has_columns, list_columns, read_table
     from satvib_common.records.checks import check_signal
     from satvib_common.records.layout import Reading
-    from satvib_common.records.record import MeasuredRecord, is_text, text_record
-    from satvib_common.records.text_table import TextTable, read_table
+    from satvib_common.records.record import (
+        Column,
+        MeasuredColumns,
+        MeasuredRecord,
+        column_record,
+        read_columns,
+    )
+    from satvib_common.records.table import Table
+    from satvib_common.records.units import ACCELERATION, VOLTAGE, Quantity
 
 __all__ = [
+    'ACCELERATION',
+    'VOLTAGE',
+    'Column',
+    'MeasuredColumns',
     'MeasuredRecord',
+    'Quantity',
     'Reading',
-    'TextTable',
+    'Table',
     'check_signal',
-    'is_text',
+    'column_record',
+    'has_columns',
+    'list_columns',
+    'read_columns',
     'read_table',
-    'text_record',
 ]
 __getattr__, __dir__ = door(__name__, __file__)

@@ -9,8 +9,9 @@ from pathlib import Path
 from satvib_common.errors import SatvibError
 
 READABLE = (
-    'readable are text files (.csv .tsv .txt .dat .lvm, any separator) with --input and --output, a bag (.mcap or its '
-    'folder), and recording.npz'
+    'readable are text files (.csv .tsv .txt .dat, any separator), LabVIEW (.lvm .tdms), MATLAB (.mat), HDF5 (.h5), '
+    'universal files (.uff .unv), WAV and Parquet, with --input and --output; a bag (.mcap or its folder), and '
+    'recording.npz'
 )
 TEXT_SUFFIXES = frozenset({'.csv', '.tsv', '.txt', '.dat', '.lvm', '.asc', '.prn', '.tab', '.log'})
 _MARKS = (
@@ -23,10 +24,8 @@ _MARKS = (
 _FOREIGN = (
     (b'PK\x03\x04', 'an Excel workbook or a zip archive'),
     (b'\xd0\xcf\x11\xe0', 'an old Excel workbook'),
-    (b'MATLAB 5.0 MAT-file', 'a MATLAB file'),
-    (b'TDSm', 'a TDMS file'),
-    (b'\x89HDF', 'an HDF5 or MATLAB 7.3 file'),
-    (b'PAR1', 'a Parquet file'),
+    (b'Obj\x01', 'an Avro file'),
+    (b'ARROW1', 'an Arrow or Feather file'),
     (b'\x1f\x8b', 'compressed with gzip'),
     (b'\x93NUMPY', 'a NumPy array'),
     (b'SQLite format 3', 'an SQLite database'),

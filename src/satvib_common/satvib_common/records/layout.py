@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from satvib_common.errors import SatvibError
+from satvib_common.records.units import is_unit
 
 BLANKS = ''  # the separator that is any run of blanks
 SEPARATORS = {
@@ -41,8 +42,6 @@ _NUMBER = {
 _SKELETONS = 500  # that decide between candidates, the most frequent ones
 _RUN = 3  # rows one after the other that are no accident of a preamble
 _UNITS = 3  # lines after a header that may hold units or blanks
-_LABVIEW = 'LabVIEW Measurement'
-_LABVIEW_END = '***End_of_Header***'
 
 
 class Reading(NamedTuple):
@@ -53,12 +52,14 @@ class Reading(NamedTuple):
         decimal: '.' or ','.
         encoding: as Python names it.
         skip: lines to leave out at the start.
+        recover: whether what is left of a file that is cut may be read.
     """
 
     separator: str | None = None
     decimal: str | None = None
     encoding: str | None = None
     skip: int = 0
+    recover: bool = False
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,7 @@ class Layout:
         first: index of the first line of data.
         width: cells of a row.
         last_may_lack: whether rows may end before the last column (the comments of LabVIEW).
+        units: cells of the row of units under the header; empty without one.
         notes: what was found out and should be known.
     """
 
@@ -83,7 +85,14 @@ class Layout:
     first: int
     width: int
     last_may_lack: bool = False
+    units: tuple[str, ...] = ()
     notes: list[str] = field(default_factory=list)
+
+    def name_of(self, position: int) -> str:
+        """Name of a column; its number where it has none."""
+        if 0 <= position < len(self.header) and self.header[position]:
+            return self.header[position]
+        return f'column {position + 1}'
 
 
 def number(cell: str, decimal: str) -> float | None:
@@ -122,7 +131,7 @@ def find_layout(
     Raises:
         SatvibError: nothing in it is a row of numbers, or a setting that is none.
     """
-    start, reading, labview = _preamble(lines, reading)
+    start, reading = _preamble(lines, reading)
     lined = lines[start:]
     # digits make no difference to how a line is split
     skeletons = (
@@ -145,24 +154,17 @@ def find_layout(
         above = [i for i in range(run - 1, max(run - 1 - _UNITS, -1), -1) if lined[i].strip()]
         header_line = next((i for i in above if len(cells_of(lined[i], separator)) >= width > 1
                             or (width == 1 and not known[skeletons[i]])), -1)  # fmt: skip
+        higher = [i for i in above if 0 <= i < header_line]
+        if higher and _is_units(lined[header_line], separator):
+            wide = len(cells_of(lined[higher[0]], separator)) >= width
+            header_line = higher[0] if wide else header_line
     notes: list[str] = []
     if header_line < 0:
         return Layout(separator, decimal, (), -1, start + run, width, notes=notes)
     header = cells_of(lined[header_line], separator)
     while header and not header[-1]:
         header.pop()
-    first = _after_units(lined, header_line, known, skeletons, notes, start)
-    if labview and header[-1:] == ['Comment']:
-        return Layout(
-            separator,
-            decimal,
-            tuple(header),
-            start + header_line,
-            start + first,
-            len(header),
-            True,
-            notes,
-        )
+    first, units = _after_units(lined, header_line, known, skeletons, separator, notes, start)
     return Layout(
         separator,
         decimal,
@@ -170,30 +172,20 @@ def find_layout(
         start + header_line,
         start + first,
         len(header),
+        units=units,
         notes=notes,
     )
 
 
-def _preamble(lines: Sequence[str], reading: Reading) -> tuple[int, Reading, bool]:
+def _preamble(lines: Sequence[str], reading: Reading) -> tuple[int, Reading]:
     """First line to look at, and what the first lines say about the others."""
     start = reading.skip
     if start >= len(lines):
-        return len(lines), reading, False
-    separator, decimal = reading.separator, reading.decimal
+        return len(lines), reading
     if lines[start].strip().strip('"').lower().startswith('sep='):  # as Excel writes it
         told = lines[start].strip().strip('"')[4:]
-        return start + 1, reading._replace(separator=separator or told or None), False
-    if not lines[start].startswith(_LABVIEW):
-        return start, reading, False
-    for i, line in enumerate(lines[: start + 1000]):
-        key, _, value = (part.strip() for part in line.replace(',', '\t', 1).partition('\t'))
-        if key == 'Separator':
-            separator = separator or {'Tab': '\t', 'Comma': ','}.get(value)
-        elif key == 'Decimal_Separator':
-            decimal = decimal or (line.rstrip()[-1:] if line.rstrip()[-1:] in {'.', ','} else None)
-        elif key == _LABVIEW_END:
-            start = i + 1
-    return start, reading._replace(separator=separator, decimal=decimal), True
+        return start + 1, reading._replace(separator=reading.separator or told or None)
+    return start, reading
 
 
 def _shape(line: str, separator: str, decimal: str) -> tuple[int, int, bool]:
@@ -255,20 +247,29 @@ def _first_run(flags: list[bool]) -> int:
     return flags.index(True)
 
 
+def _is_units(line: str, separator: str) -> bool:
+    """Whether a line has units in its cells and nothing else."""
+    cells = [cell for cell in cells_of(line, separator) if cell.strip('-')]
+    return bool(cells) and all(is_unit(cell) for cell in cells)
+
+
 def _after_units(
     lines: Sequence[str],
     header: int,
     known: dict[bytes, bool],
     skeletons: list[bytes],
+    separator: str,
     notes: list[str],
     start: int,
-) -> int:
-    """First line after a header that may be data; rows of units are passed over, and said."""
+) -> tuple[int, tuple[str, ...]]:
+    """First line after a header that may be data, and the cells of the first row of units before it."""
     first = header + 1
+    units: tuple[str, ...] = ()
     while first < len(lines) and first <= header + _UNITS and not known[skeletons[first]]:
         if lines[first].strip():
+            units = units or tuple(cells_of(lines[first], separator))
             notes.append(
                 f'line {start + first + 1} holds no numbers and was taken for units: {lines[first].strip()[:60]}'
             )
         first += 1
-    return first
+    return first, units

@@ -1,22 +1,60 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Input and output of a measured record from a text file: read, put in its places in time, looked at."""
+"""Columns of a measured record from a file of any format: put in their places in time, in V and m/s^2, looked at."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
+from satvib_common.records.any_file import list_columns, read_table
 from satvib_common.records.checks import check_signal
-from satvib_common.records.encoding import READABLE, TEXT_SUFFIXES, foreign_format
-from satvib_common.records.text_table import Reading, TextTable, read_table
-from satvib_common.records.time_column import Places, in_order, places, unit_of
+from satvib_common.records.layout import Reading
+from satvib_common.records.table import Table
+from satvib_common.records.time_column import Places, in_order, places
+from satvib_common.records.units import ACCELERATION, VOLTAGE, Quantity, plain, scale_of, told_scale
 
 BLANK_SHARE = 0.5  # a text with this share of blank rows has them between all rows
 MISSING_SHARE = 0.5  # a record with more of its samples missing is refused
 PERIOD_TOLERANCE = 0.01
+
+
+class Column(NamedTuple):
+    """A column that is asked for.
+
+    Attributes:
+        role: what it is to the one who asks, such as 'input'; `--input` is then its option, `--input-unit` that of its
+            unit.
+        name: of the column, or its number from 1; None where none was given.
+        quantity: what it holds; its samples are given in that unit.
+        unit: what a person says of it; None: as the file says, and the unit of the quantity where it says nothing.
+    """
+
+    role: str
+    name: str | None
+    quantity: Quantity
+    unit: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredColumns:
+    """Columns of a record.
+
+    Attributes:
+        values: (columns, samples) in the units of their quantities; NaN where a sample is missing.
+        dt: s.
+        name: for people.
+        notes: what should be known about the record, a line each.
+    """
+
+    values: Array
+    dt: float
+    name: str
+    notes: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,29 +78,7 @@ class MeasuredRecord:
     notes: list[str] = field(default_factory=list)
 
 
-def is_text(path: Path, columns_given: bool) -> bool:
-    """Whether a file is read as text: by its ending, or because columns were named.
-
-    Raises:
-        SatvibError: a file of a known other format, which is named with those that are readable.
-    """
-    if path.is_dir() or path.suffix.lower() in {'.mcap', '.npz', '.db3'}:
-        return False
-    if path.suffix.lower() in TEXT_SUFFIXES or columns_given:
-        return True
-    try:
-        with path.open('rb') as source:
-            name = foreign_format(source.read(32))
-    except OSError:
-        name = ''
-    if name or (path.is_file() and path.name != 'metadata.yaml'):
-        raise SatvibError(
-            f'{path}: is {name or "not a format that is known by its ending"}; {READABLE}'
-        )
-    return False
-
-
-def text_record(
+def column_record(
     path: Path,
     input_column: str | None,
     output_column: str | None,
@@ -70,49 +86,126 @@ def text_record(
     time: str | None = None,
     reading: Reading | None = None,
     memory: int = 200,
+    units: tuple[str | None, str | None] = (None, None),
 ) -> MeasuredRecord:
-    """Read two columns of a text file and the times of their rows.
+    """Read input and output of a file.
 
     Args:
         path: the file.
         input_column: name or number of the input.
         output_column: name or number of the output.
-        period: s; None: as the time column says, and one second where there is none.
+        period: see `read_columns`, as time, reading and memory.
+        time: name or number of the time column.
+        reading: what is given about the file.
+        memory: samples that a model may look back.
+        units: what a person says of the units of input and output.
+
+    Raises:
+        SatvibError: see `read_columns`.
+    """
+    asked = [
+        Column('input', input_column, VOLTAGE, units[0]),
+        Column('output', output_column, ACCELERATION, units[1]),
+    ]
+    found = read_columns(path, asked, period, time, reading, memory)
+    return MeasuredRecord(found.values[0], found.values[1], found.dt, None, found.name, found.notes)
+
+
+def read_columns(
+    path: Path,
+    asked: Sequence[Column],
+    period: float | None = None,
+    time: str | None = None,
+    reading: Reading | None = None,
+    memory: int = 200,
+) -> MeasuredColumns:
+    """Read columns of a file and the times of their rows.
+
+    Args:
+        path: the file.
+        asked: the columns.
+        period: s; None: as the time column says, then as the file says, and one second where neither does.
         time: name or number of the time column; None: found by its name.
         reading: what is given about the file.
         memory: samples that a model may look back; as many stay empty where two records were glued.
 
     Raises:
-        SatvibError: a column is not named, not there, or holds something else than numbers; times that are none.
+        SatvibError: a column is not named, not there, or holds something else than numbers; times that are none; a
+            unit that is none; a file that is damaged; a library that is missing.
     """
-    if not input_column or not output_column:
+    wanted = [column.name for column in asked if column.name]
+    if len(wanted) < len(asked):
+        options = ' and '.join(f'--{column.role}' for column in asked)
+        there = list_columns(path, reading)
         raise SatvibError(
-            f'{path}: name the columns of a text file with --input and --output, by name or by number'
+            f'{path}: name the columns with {options}, by name or by number'
+            + (f'; there are {there}' if there else '; the file has no header line')
         )
-    table = read_table(path, [input_column, output_column], time, reading)
+    told = [
+        None if c.unit is None else told_scale(f'--{c.role}-unit', c.unit, c.quantity)
+        for c in asked
+    ]
+    table = read_table(path, wanted, time, reading)
     notes = [*table.notes]
     where = _where(table, path, time is not None, memory, notes)
-    u, y = (np.full(where.size, np.nan) for _ in range(2))
+    values = np.full((len(asked), where.size), np.nan)
     kept = where.place >= 0
-    u[where.place[kept]], y[where.place[kept]] = (column[kept] for column in table.columns)
+    values[:, where.place[kept]] = np.array(table.columns)[:, kept]
     dt = _sample_period(where, table, period, notes)
-    absent = np.isnan(table.columns[0]) | np.isnan(table.columns[1])
+    _say_missing(table, path, kept, notes)
+    _convert(values, asked, told, table, notes)
+    for column, samples in zip(asked, values, strict=True):
+        notes += check_signal(column.role, samples)
+    return MeasuredColumns(values, dt, path.name, notes)
+
+
+def _say_missing(table: Table, path: Path, kept: Mask, notes: list[str]) -> None:
+    absent: Mask = np.asarray(np.isnan(np.array(table.columns)).any(axis=0))
     count = int((absent & kept).sum())
-    if count:
-        first = int(table.lines[np.flatnonzero(absent & kept)[0]])
-        notes.append(
-            f'{count} rows lack a value ({100.0 * count / len(absent):.2g} %, first at line {first}): gaps; nothing is '
-            'taken across them'
+    if not count:
+        return
+    first = int(table.lines[np.flatnonzero(absent & kept)[0]])
+    rows = 'rows' if table.row == 'line' else 'samples'
+    notes.append(
+        f'{count} {rows} lack a value ({100.0 * count / len(absent):.2g} %, first at {table.row} {first}): gaps; '
+        'nothing is taken across them'
+    )
+    if count > MISSING_SHARE * len(absent):
+        raise SatvibError(
+            f'{path}: {count} of {len(absent)} {rows} lack a value; too many for a model'
         )
-        if count > MISSING_SHARE * len(absent):
-            raise SatvibError(
-                f'{path}: {count} of {len(absent)} rows lack a value; too many for a model'
+
+
+def _convert(
+    values: Array,
+    asked: Sequence[Column],
+    told: Sequence[float | None],
+    table: Table,
+    notes: list[str],
+) -> None:
+    """Put columns into the units of their quantities, in place, and say what was done."""
+    silent = []
+    for i, (column, scale) in enumerate(zip(asked, told, strict=True)):
+        unit = table.units[i] if scale is None else column.unit or ''
+        known = plain(unit)
+        if scale is None and not known:
+            silent.append(column)
+            continue
+        scale = scale_of(unit, column.quantity) if scale is None else scale
+        if scale is None:
+            notes.append(
+                f'{column.role}: is in {known}, which is no {column.quantity.name}; taken as it is'
             )
-    notes += check_signal('input', u) + check_signal('output', y)
-    return MeasuredRecord(u, y, dt, None, path.name, notes)
+        elif scale != 1.0:
+            values[i] *= scale
+            notes.append(f'{column.role}: converted from {known} to {column.quantity.unit}')
+    if silent:
+        taken = ', '.join(f'{c.role} as {c.quantity.unit}' for c in silent)
+        options = ', '.join(f'--{c.role}-unit' for c in silent)
+        notes.append(f'units: the file does not say them; taken: {taken} ({options})')
 
 
-def _where(table: TextTable, path: Path, told: bool, memory: int, notes: list[str]) -> Places:
+def _where(table: Table, path: Path, told: bool, memory: int, notes: list[str]) -> Places:
     """Where the rows of a table belong: as its times say, or one after the other."""
     rows = len(table.columns[0])
     values = np.array(table.columns)
@@ -135,21 +228,21 @@ def _where(table: TextTable, path: Path, told: bool, memory: int, notes: list[st
         notes.append(f'the time column {table.time_name!r} never changes and is not used')
         return in_order(rows)
     try:
-        found = places(table.time, values, table.lines, memory, table.time_name)
+        found = places(table.time, values, table.lines, memory, table.time_name, table.row)
     except SatvibError as error:
         raise SatvibError(f'{path}: {error}') from None
     notes += found.notes
     return found
 
 
-def _glued(table: TextTable, memory: int, notes: list[str]) -> Places:
+def _glued(table: Table, memory: int, notes: list[str]) -> Places:
     """Records one after the other, each behind a header of its own."""
     rows = len(table.columns[0])
     extra = np.zeros(rows, dtype=np.int64)
     extra[table.again] = memory
     lines = ', '.join(str(int(table.lines[i])) for i in table.again[:3])
     notes.append(
-        f'the header is repeated at line {lines}: what follows is taken as a record of its own'
+        f'the header is repeated at {table.row} {lines}: what follows is taken as a record of its own'
     )
     place = np.arange(rows) + np.cumsum(extra)
     steps = np.diff(table.time) if table.time is not None else np.zeros(0)
@@ -157,18 +250,27 @@ def _glued(table: TextTable, memory: int, notes: list[str]) -> Places:
     return Places(float(np.median(forward)) if len(forward) else 0.0, place, int(place[-1]) + 1)
 
 
-def _sample_period(where: Places, table: TextTable, told: float | None, notes: list[str]) -> float:
-    if not where.period:
-        if told is None:
-            notes.append('no time column: a sample counts as a second; give --sample-period')
-        return told or 1.0
-    unit = unit_of(table.time_name)
+def _sample_period(where: Places, table: Table, told: float | None, notes: list[str]) -> float:
+    unit = table.time_unit
     found = where.period * (unit or 1.0)
+    if not found:
+        found = table.period
+        if told is None and not found:
+            notes.append('no time column: a sample counts as a second; give --sample-period')
+        elif told is None:
+            notes.append(f'sample period {found:.6g} s, as the file says')
+        elif found and abs(found - told) > PERIOD_TOLERANCE * told:
+            notes.append(
+                f'the file says {found:.6g} s, --sample-period is {told:.6g} s; that is used'
+            )
+        return told or found or 1.0
     if told is None:
         assumed = '' if unit else ', taken as seconds'
         notes.append(
             f'sample period {found:.6g} s from the time column {table.time_name!r}{assumed}'
         )
+        if table.period and abs(found - table.period) > PERIOD_TOLERANCE * found:
+            notes.append(f'the file itself says {table.period:.6g} s; the time column is used')
         return found
     if abs(found - told) > PERIOD_TOLERANCE * told:
         notes.append(

@@ -59,15 +59,18 @@ def in_order(rows: int) -> Places:
     return Places(0.0, np.arange(rows), rows)
 
 
-def places(time: Array, values: Array, lines: Array, unknown: int, name: str) -> Places:
+def places(
+    time: Array, values: Array, lines: Array, unknown: int, name: str, row: str = 'line'
+) -> Places:
     """Find where the rows belong.
 
     Args:
         time: (rows) NaN where not known.
         values: (columns, rows) of the signals; rows that repeat time and values are left out.
-        lines: (rows) lines of the rows, for messages.
+        lines: (rows) numbers of the rows, for messages.
         unknown: samples that stay empty where an unknown number is missing.
         name: of the column, for messages.
+        row: what `lines` counts, for messages.
 
     Raises:
         SatvibError: the time runs backward, has no period, or too many samples are missing.
@@ -104,27 +107,34 @@ def places(time: Array, values: Array, lines: Array, unknown: int, name: str) ->
             doubtful += 1
     if len(same_time):
         notes.append(
-            f'{len(same_time)} rows repeat the time of the row before ({_share(len(same_time), len(t))}, first at line '
-            f'{int(lines[known[same_time[0]]])}), {doubtful} of them with other values; the first of each is used'
+            f'{len(same_time)} rows repeat the time of the row before ({_share(len(same_time), len(t))}, first at '
+            f'{row} {int(lines[known[same_time[0]]])}), {doubtful} of them with other values; the first of each is used'
         )
         if doubtful > max(3, 0.05 * len(t)):
             raise SatvibError(
                 f'time column {name!r}: {doubtful} rows have the time of the row before and other values, '
-                'first at line '
+                'first at {row} '
                 f'{int(lines[known[same_time[0]]])}; which one counts cannot be told'
             )
     known, t = known[~repeated], t[~repeated]
-    return _placed(len(time), known, t, lines, unknown, name, notes)
+    return _placed(len(time), known, t, lines, unknown, name, notes, row)
 
 
 def _placed(
-    rows: int, known: Integers, t: Array, lines: Array, unknown: int, name: str, notes: list[str]
+    rows: int,
+    known: Integers,
+    t: Array,
+    lines: Array,
+    unknown: int,
+    name: str,
+    notes: list[str],
+    row: str,
 ) -> Places:
     steps = np.diff(t)
     back = steps < 0.0
     if back.sum() > max(MOST_BACK, 0.01 * len(t)):
         raise SatvibError(
-            f'time column {name!r}: goes back {int(back.sum())} times, first at line '
+            f'time column {name!r}: goes back {int(back.sum())} times, first at {row} '
             f'{int(lines[known[1:][back][0]])}; sort the rows by time'
         )
     period = _period(steps[~back])
@@ -154,14 +164,14 @@ def _placed(
         first = int(lines[known[1:][missing & ~unsure][0]])
         notes.append(
             f'the time jumps over missing samples at {gaps} places ({int(sizes.sum())} samples, '
-            f'{_share(int(sizes.sum()), len(t) + int(sizes.sum()))}; first before line {first}); nothing is '
+            f'{_share(int(sizes.sum()), len(t) + int(sizes.sum()))}; first before {row} {first}); nothing is '
             'taken across '
             'a gap'
         )
     for i in np.flatnonzero(unsure)[:3]:
         what = 'goes back' if back[i] else 'jumps'
         notes.append(
-            f'the time {what} from {t[i]:.6g} to {t[i + 1]:.6g} at line {int(lines[known[i + 1]])}: what '
+            f'the time {what} from {t[i]:.6g} to {t[i + 1]:.6g} at {row} {int(lines[known[i + 1]])}: what '
             'follows is taken '
             'as a record of its own'
         )

@@ -13,9 +13,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from satvib_common.errors import SatvibError
+from satvib_common.records.any_file import has_columns, read_table
 from satvib_common.records.layout import Reading
-from satvib_common.records.record import is_text, text_record
-from satvib_common.records.text_table import read_table, seconds
+from satvib_common.records.record import column_record
+from satvib_common.records.text_rows import seconds
 
 T = 0.01 * np.arange(60)
 U = np.where(np.random.default_rng([1]).random(60) < 0.5, -1.0, 1.0)
@@ -36,7 +37,7 @@ def text_of(separator=',', decimal='.', header=('t', 'u', 'y'), columns=(T, U, Y
 
 @pytest.fixture
 def read(tmp_path):
-    """Write a file and read u, y: read(text or bytes, u, y, name, reading) -> TextTable."""
+    """Write a file and read u, y: read(text or bytes, u, y, name, reading) -> Table."""
 
     def run(content, u='u', y='y', name='r.csv', reading=None, time=None):
         path = tmp_path / name
@@ -183,9 +184,9 @@ def test_mixed_decimal_signs_are_refused(read):
     ('start', 'name', 'said'),
     [
         (b'PK\x03\x04xl/workbook', 'a.xlsx', 'an Excel workbook'),
-        (b'MATLAB 5.0 MAT-file, Platform', 'a.mat', 'a MATLAB file'),
-        (b'TDSm\x0e\x00', 'a.tdms', 'a TDMS file'),
-        (b'\x89HDF\r\n', 'a.h5', 'an HDF5'),
+        (b'\xd0\xcf\x11\xe0', 'a.xls', 'an old Excel workbook'),
+        (b'SQLite format 3\x00', 'a.db', 'an SQLite database'),
+        (b'ARROW1\x00\x00', 'a.feather', 'an Arrow or Feather file'),
         (b'hello', 'a.xyz', 'not a format that is known by its ending'),
     ],
 )
@@ -194,10 +195,10 @@ def test_other_formats_are_named_with_what_is_readable(tmp_path, start, name, sa
     with pytest.raises(
         SatvibError, match=rf'{said}.*readable are text files .* bag .* recording\.npz'
     ):
-        is_text(tmp_path / name, columns_given=False)
+        has_columns(tmp_path / name, columns_given=False)
     if start != b'hello':
         with pytest.raises(SatvibError, match=said):
-            text_record(tmp_path / name, '1', '2')
+            column_record(tmp_path / name, '1', '2')
 
 
 def test_the_last_line_without_an_end_is_left_out(read):
@@ -266,7 +267,7 @@ def test_no_file_ends_in_anything_but_columns_or_one_line(tmp_path_factory, cont
     refusals = []
     for names in (('u', 'y'), ('1', '2')):
         try:
-            text_record(path, *names)
+            column_record(path, *names)
         except SatvibError as error:
             refusals.append(str(error).replace(str(path), ''))
     assert not any('\n' in refusal for refusal in refusals)

@@ -8,7 +8,7 @@ Truth everywhere: the places and the period with which the times were made.
 import numpy as np
 import pytest
 from satvib_common.errors import SatvibError
-from satvib_common.records.record import text_record
+from satvib_common.records.record import column_record
 from satvib_common.records.time_column import places, unit_of
 
 N = 400
@@ -127,7 +127,7 @@ def record(tmp_path, header, times, extra=(), **options):
         rows.insert(place, row)
     path = tmp_path / 'r.csv'
     path.write_text('\n'.join([header, *rows, '']))
-    return text_record(path, 'u', 'y', **options)
+    return column_record(path, 'u', 'y', **options)
 
 
 def test_the_sample_period_comes_from_the_time(tmp_path):

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Back end `replay`: a recording instead of sensors; voltages are ignored.
 
-The file is a CSV with a column for each input, or a bag (its folder or .mcap) with accelerations. Until a run begins,
-the first `rest` seconds are played over and over, for the bias; the run begins with the first row. The end of the
-record is the end of the run.
+The file has a column for each input (CSV, LVM, TDMS, MAT and the like), or is a bag (its folder or .mcap) with
+accelerations. Until a run begins, the first `rest` seconds are played over and over, for the bias; the run begins with
+the first row. The end of the record is the end of the run.
 """
 
 from dataclasses import dataclass
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
+from satvib_common.records.any_file import has_columns
 from satvib_common.schema import Schema, param
 
 from satvib_daq_bridge.back_ends.base import (
@@ -22,7 +23,7 @@ from satvib_daq_bridge.back_ends.base import (
     options_of,
 )
 from satvib_daq_bridge.back_ends.pace.paced import PACES, Paced
-from satvib_daq_bridge.back_ends.sensor_file import read_bag, read_csv
+from satvib_daq_bridge.back_ends.sensor_file import read_bag, read_file
 from satvib_daq_bridge.channels import Channels
 
 
@@ -31,8 +32,8 @@ class Options(Schema):
     """Settings of the replay."""
 
     file: str = param(description='the record')
-    unit: str = param('m/s^2', 'what a CSV holds', choices=('m/s^2', 'V'))
-    columns: dict[str, Any] = param(dict, "CSV column by channel; left out: the channel's own name")
+    unit: str = param('m/s^2', 'what a file of columns holds', choices=('m/s^2', 'V'))
+    columns: dict[str, Any] = param(dict, "column by channel; left out: the channel's own name")
     rest: float = param(1.0, 'how long the rig is at rest at the beginning', unit='s', above=0.0)
     pace: str = param('realtime', 'who keeps the time', choices=PACES)
 
@@ -82,7 +83,7 @@ class Replay(Paced):
     def _read(self) -> Array:
         names = [name for name, _ in self.channels.inputs]
         path = Path(self.options.file)
-        if path.suffix.lower() in {'.csv', '.txt', '.tsv'}:
+        if has_columns(path, columns_given=bool(self.options.columns)):
             columns = {name: str(self.options.columns.get(name, name)) for name in names}
             for name in self.options.columns:
                 if name not in names:
@@ -90,7 +91,7 @@ class Replay(Paced):
                     raise SatvibError(
                         f'{self.channels.where}: options: columns.{name}: no such channel ({known})'
                     )
-            values = read_csv(path, columns)
+            values = read_file(path, columns, self.options.unit)
             if self.options.unit == 'V':
                 return values
         else:

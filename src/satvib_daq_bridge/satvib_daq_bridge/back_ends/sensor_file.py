@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads recorded sensors: columns of a CSV file, or the accelerations of a bag."""
+"""Reads recorded sensors: columns of a file, or the accelerations of a bag."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -10,15 +10,17 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-from satvib_common.records.text_table import read_table
+from satvib_common.records.any_file import read_table
+from satvib_common.records.units import ACCELERATION, VOLTAGE, scale_of
 
 
-def read_csv(path: Path, columns: Mapping[str, str]) -> Array:
+def read_file(path: Path, columns: Mapping[str, str], unit: str) -> Array:
     """Read the column of each channel.
 
     Args:
-        path: text file of columns, with a header line.
+        path: file of columns of any format.
         columns: name of the column by name of the channel.
+        unit: V or m/s^2, in which the columns are given; what the file says to be in g or mV is converted.
 
     Returns:
         (rows, channels) in the order of `columns`; NaN where a value is missing.
@@ -26,7 +28,10 @@ def read_csv(path: Path, columns: Mapping[str, str]) -> Array:
     Raises:
         SatvibError: no such file or column, a cell that is no number; the line is named.
     """
-    return np.stack(read_table(path, list(columns.values())).columns, axis=-1)
+    quantity = VOLTAGE if unit == 'V' else ACCELERATION
+    table = read_table(path, list(columns.values()))
+    scales = [scale_of(said, quantity) or 1.0 for said in table.units]
+    return np.stack([s * values for s, values in zip(scales, table.columns, strict=True)], axis=-1)
 
 
 def read_bag(path: Path, channels: Sequence[str]) -> Array:

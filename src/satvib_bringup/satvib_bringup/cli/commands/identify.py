@@ -19,27 +19,39 @@ def identify(
     file: Annotated[
         Path,
         typer.Argument(
-            help='Text file of columns (CSV, TSV, DAT, LVM ...), or the bag or folder of a run.',
+            help='File of columns (CSV, LVM, TDMS, MAT, HDF5, UFF, WAV, Parquet ...), bag, or folder of a run.',
             metavar='FILE',
         ),
     ],
     input_column: Annotated[
         str | None,
-        typer.Option(
-            '--input', help='Text: column of the input, V; name or number from 1.', metavar='COL'
-        ),
+        typer.Option('--input', help='Column of the input; name or number from 1.', metavar='COL'),
     ] = None,
     output_column: Annotated[
         str | None,
         typer.Option(
-            '--output', help='Text: column of the output, m/s^2; name or number.', metavar='COL'
+            '--output', help='Column of the output; name or number from 1.', metavar='COL'
+        ),
+    ] = None,
+    input_unit: Annotated[
+        str | None,
+        typer.Option(
+            '--input-unit',
+            help="V, mV ..., or a factor and a unit, '0.1 V'; else as the file says, or V.",
+            metavar='UNIT',
+        ),
+    ] = None,
+    output_unit: Annotated[
+        str | None,
+        typer.Option(
+            '--output-unit',
+            help='m/s^2, g, mm/s^2 ..., also with a factor; else as the file says, or m/s^2.',
+            metavar='UNIT',
         ),
     ] = None,
     time: Annotated[
         str | None,
-        typer.Option(
-            '--time', help='Text: time column; found by its name otherwise.', metavar='COL'
-        ),
+        typer.Option('--time', help='Time column; found by its name otherwise.', metavar='COL'),
     ] = None,
     strut: Annotated[int, typer.Option('--strut', help='Run: which strut, from 1.', min=1)] = 1,
     order: Annotated[
@@ -63,7 +75,7 @@ def identify(
     sample_period: Annotated[
         float | None,
         typer.Option(
-            '--sample-period', help='Text: s; otherwise from the time column, or a second.'
+            '--sample-period', help='s; otherwise from the time column or the file, or a second.'
         ),
     ] = None,
     separator: Annotated[
@@ -106,8 +118,9 @@ def identify(
     and what to do), 2 the input is wrong.
     """
     from satvib_common.errors import SatvibError
+    from satvib_common.records.any_file import has_columns
     from satvib_common.records.layout import Reading
-    from satvib_common.records.record import is_text, text_record
+    from satvib_common.records.record import column_record
     from satvib_experiment.recording.strut_record import read_strut
 
     from satvib_bringup.cli.console import make_console
@@ -121,16 +134,17 @@ def identify(
     for target in (save, plots):
         if target is not None and target.exists():
             raise SatvibError(f'{target}: exists already, not overwritten')
-    if is_text(file, bool(input_column or output_column)):
+    if has_columns(file, bool(input_column or output_column)):
         memory = max(order or [8]) + (coefficients or 0) + (delay or 0) + 200
-        record = text_record(
+        record = column_record(
             file,
             input_column,
             output_column,
             sample_period,
             time,
-            Reading(separator, decimal, encoding, skip),
+            Reading(separator, decimal, encoding, skip, recover),
             memory,
+            (input_unit, output_unit),
         )
     else:
         record = read_strut(file, strut, recover)
