@@ -37,7 +37,10 @@ def reports(probe):
 
 @pytest.mark.parametrize('lockstep', [True, False])
 def test_two_controllers_of_one_strut_are_0_v(start, probe, reports, lockstep):
-    """Truth: what the coil got, as the samples say. Named by the plant, in its log and as ERROR; reset ends it."""
+    """Truth: what the coil got, as the samples say. Named by the plant, in its log and as ERROR; reset ends it.
+
+    The controller names both too, the plant that has latched 0 V, and the service that ends it.
+    """
     from diagnostic_msgs.msg import DiagnosticStatus
     from satvib_common.struts.applied import Applied
     from std_srvs.srv import Trigger
@@ -46,7 +49,7 @@ def test_two_controllers_of_one_strut_are_0_v(start, probe, reports, lockstep):
 
     samples = probe.collect(StrutAcceleration, '/strut_1/acceleration')
     plant = start(*PLANT, lockstep=lockstep, lockstep_timeout=60.0, **RIG)
-    start(*CONTROLLER, '/strut_1', **LAW)
+    controller = start(*CONTROLLER, '/strut_1', **LAW)
     probe.wait(lambda: len(samples) > 100 and samples[-1].applied_state == Applied.APPLIED)
     rival = start(*CONTROLLER, '/strut_1', more=SECOND, **LAW)
     probe.wait(lambda: samples[-1].applied_state == Applied.LATCHED)
@@ -57,6 +60,9 @@ def test_two_controllers_of_one_strut_are_0_v(start, probe, reports, lockstep):
     assert reports('/plant_sim')[0] == DiagnosticStatus.ERROR
     assert '0 V, latched: two controllers answer its samples' in plant.said
     assert what in plant.said
+    latched = '0 V: latched by /plant_sim, which says why on /diagnostics, until /plant_sim/reset is called'
+    probe.wait(lambda: f'{latched}; {what}' in controller.said)
+    probe.wait(lambda: latched in reports('/strut_1/strut_controller')[1])
     rival.close()
     assert probe.call(Trigger, '/plant_sim/reset', Trigger.Request()).success
     probe.wait(lambda: samples[-1].applied_state == Applied.APPLIED)

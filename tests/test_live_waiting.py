@@ -58,6 +58,13 @@ def test_a_node_that_waits_says_for_what(start, probe):
         assert node.wait() == 0, node.said
 
 
+def test_a_controller_alone_without_a_namespace_says_so(start, probe):
+    """Truth: what was started: no node publishes what it listens to, in whatever namespace."""
+    controller = start('satvib_control', 'strut_controller')
+    what = f'waits for samples on /acceleration, {NOBODY}; is the namespace right? ('
+    probe.wait(lambda: what in controller.said)
+
+
 def test_who_has_waited_and_gets_it_waits_no_more(start, probe):
     """Truth: the messages that are published. The controller waits for samples, then for the schedule, then not."""
     from diagnostic_msgs.msg import DiagnosticArray

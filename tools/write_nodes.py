@@ -50,7 +50,10 @@ The topics `acceleration`, `voltage`, `identified_model` and `schedule` have one
 at the topic names both in its log and on `/diagnostics`. When both speak, a controller latches 0 V (two plants, two
 identifiers), so does `plant_sim` or `daq_bridge` (two controllers), and another schedule is refused.
 
-A parameter that is not live (column *live*) is refused in a running node, with the reason that stands there.
+A parameter that is not live (column *live*) is refused in a running node, with the reason that stands there. So is the
+start of a gain that adapts. Every change that is taken is one line in the log, with the value before and after. Where a
+value does not act as it stands, the line and the answer say what does: a gain beyond the bounds of the model, or before
+there is a model.
 
 Exit codes of every node: 0 after SIGINT, SIGTERM or the end of its work; 1 when a run failed; 2 when a person must
 correct something. In both cases the last line says what.
@@ -79,7 +82,9 @@ NODES = (
         'satvib_plant_sim.nodes.plant_sim_node', 'PlantSimNode', 'plant_sim', '/',
         ('satvib_plant_sim.nodes.parameters', 'PlantParameters'),
         'Simulates the isolator and is the clock of the graph.',
-        'WARN while it waits or a strut is at 0 V because its commands are missing; ERROR while 0 V is latched.',
+        'WARN while it waits or a strut is at 0 V because its commands are missing; ERROR while 0 V is latched, with '
+        'the reason: a voltage that is no number, two controllers that answer the samples of one strut, `~/stop`, or '
+        'with `after_silence: latch` no fresh voltage. The controller of the strut then names it and its `reset`.',
         'The last sample of the schedule (exit code 0, one line with the counts); in lockstep a voltage that does '
         'not come within `lockstep_timeout`, named (1); a voltage in lockstep that is no number (2).', {},
     ),

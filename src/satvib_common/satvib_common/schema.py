@@ -120,6 +120,11 @@ class Schema:
 
     def __post_init__(self) -> None:
         """Check each field, then the whole."""
+        self._check_fields()
+        self.check()
+        self.check_start()
+
+    def _check_fields(self) -> None:
         hints = _hints(type(self))
         for field in dataclasses.fields(self):
             value = _coerced(getattr(self, field.name), hints[field.name], field.name)
@@ -129,10 +134,15 @@ class Schema:
                 complaint = constraint_of(field).complaint(element) if element is not None else None
                 if complaint:
                     raise SatvibError(f'{field.name}: {complaint}')
-        self.check()
 
     def check(self) -> None:
         """Check what concerns several fields; raises SatvibError."""
+
+    def check_start(self) -> None:
+        """Check what concerns several fields and may be otherwise after a change (`changed`); raises SatvibError."""
+
+    def check_change(self, before: Self) -> None:
+        """Check what a change from `before` must not do while a node runs; raises SatvibError."""
 
     @classmethod
     def from_mapping(cls, mapping: Any, where: str = '') -> Self:
@@ -166,6 +176,24 @@ class Schema:
     def to_mapping(self) -> dict[str, Any]:
         """Give plain data that `from_mapping` takes back."""
         return {f.name: _plain(getattr(self, f.name)) for f in dataclasses.fields(self)}
+
+    def changed(self, changes: Mapping[str, Any]) -> Self:
+        """Give a copy with some fields changed, as a running node takes it: `check_change` instead of `check_start`.
+
+        Raises:
+            SatvibError: a wrong type, a value out of range, a set or a change that is refused.
+        """
+        hints = _hints(type(self))
+        new = object.__new__(type(self))
+        for field in dataclasses.fields(self):
+            name = field.name
+            given = name in changes
+            value = _built(changes[name], hints[name], name) if given else getattr(self, name)
+            object.__setattr__(new, name, value)
+        new._check_fields()
+        new.check()
+        new.check_change(self)
+        return new
 
     def replace(self, **changes: Any) -> Self:
         """Give a checked copy with some fields changed."""

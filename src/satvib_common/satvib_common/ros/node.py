@@ -96,6 +96,10 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
     def changed(self, parameters: P) -> None:
         """Take a new, valid set of parameters."""
 
+    def effect_of(self, _names: frozenset[str]) -> str:
+        """Say what people should know about the parameters that were just `changed`; empty: they act as set."""
+        return ''
+
     def stop(self) -> str:
         """Come to a safe state and stay there; gives what was done."""
         return 'nothing to stop'
@@ -262,8 +266,9 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         return self._readers
 
     def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
-        """As rclpy does; the refusal of a read-only parameter says why."""
-        result = super().set_parameters_atomically(parameter_list)
+        """As rclpy does; a refusal says why, a misspelt name what may be meant, a change what it does."""
+        refused = self._settings.unknown_of(self, parameter_list)
+        result = refused or super().set_parameters_atomically(parameter_list)
         return self._settings.explain(result, parameter_list)
 
     # ---- lifecycle
@@ -388,6 +393,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
 
         return answer
 
-    def _settings_changed(self, parameters: P) -> None:
+    def _settings_changed(self, parameters: P, names: frozenset[str]) -> str:
         if self.configured:
             self.changed(parameters)
+        return self.effect_of(names) if self.configured else ''

@@ -61,15 +61,17 @@ class NodeParameters(Generic[S]):
     Args:
         node: the node that declares them.
         schema: a schema of bool, int, float, str and tuples of them.
-        changed: called with the new set after a change.
+        changed: called with the new set and the names that were set, after a change; gives what people should know
+            about its effect, empty for nothing.
 
     Raises:
         SatvibError: an override of the wrong type or out of range, or a set that contradicts itself.
     """
 
-    def __init__(self, node: Node, schema: type[S], changed: Callable[[S], None]) -> None:
-        self._schema = schema
-        self._changed = changed
+    def __init__(
+        self, node: Node, schema: type[S], changed: Callable[[S, frozenset[str]], str]
+    ) -> None:
+        self._changed, self._log, self._effect = changed, node.get_logger(), ''
         self._names = {field.name for field in fields(schema)}
         self._read_only = {
             field.name: why for field in fields(schema) if (why := constraint_of(field).read_only)
@@ -81,10 +83,25 @@ class NodeParameters(Generic[S]):
         node.add_on_set_parameters_callback(self._validate)
         node.add_post_set_parameters_callback(self._apply)
 
+    def unknown(self, name: str) -> str:
+        """Say that there is no such parameter, and which one may be meant."""
+        close = difflib.get_close_matches(name, list(self._names), n=1)
+        return f'{name}: no such parameter' + (f'; did you mean {close[0]}?' if close else '')
+
+    def unknown_of(self, node: Node, parameters: Iterable[Parameter]) -> SetParametersResult | None:
+        """Refuse a change that names no parameter, of which rclpy gives no name; None: all are there."""
+        for parameter in parameters:
+            if not node.has_parameter(parameter.name):
+                return SetParametersResult(successful=False, reason=self.unknown(parameter.name))
+        return None
+
     def explain(
         self, result: SetParametersResult, parameters: Iterable[Parameter]
     ) -> SetParametersResult:
-        """Say why, where a result is the refusal of a read-only parameter, for which rclpy asks nobody."""
+        """Say what rclpy does not: why a read-only parameter is refused, and what a change that is taken does."""
+        effect, self._effect = self._effect, ''
+        if result.successful:
+            result.reason = result.reason or effect
         for parameter in parameters:
             name, why = parameter.name, self._read_only.get(parameter.name)
             if why and not result.successful and name in result.reason:
@@ -92,8 +109,7 @@ class NodeParameters(Generic[S]):
         return result
 
     def _with(self, parameters: list[Parameter]) -> S:
-        changes = {p.name: p.value for p in parameters if p.name in self._names}
-        return self._schema.from_mapping(self.value.to_mapping() | changes)
+        return self.value.changed({p.name: p.value for p in parameters if p.name in self._names})
 
     def _validate(self, parameters: list[Parameter]) -> SetParametersResult:
         try:
@@ -103,9 +119,12 @@ class NodeParameters(Generic[S]):
         return SetParametersResult(successful=True)
 
     def _apply(self, parameters: list[Parameter]) -> None:
-        if any(p.name in self._names for p in parameters):
-            self.value = self._with(parameters)
-            self._changed(self.value)
+        names = [p.name for p in parameters if p.name in self._names]
+        if names:
+            before, self.value = self.value, self._with(parameters)
+            self._effect = self._changed(self.value, frozenset(names))
+            said = [f'{n}: {getattr(before, n)} -> {getattr(self.value, n)}' for n in names]
+            self._log.info('; '.join(filter(None, (*said, self._effect))))
 
     def _warn_unknown(self, node: Node) -> None:
         """Warn of an override that names no parameter, which ROS ignores without a message."""
@@ -113,9 +132,7 @@ class NodeParameters(Generic[S]):
         for name in given:
             if name in self._names or name in _ROS or name.startswith('qos_overrides.'):
                 continue
-            close = difflib.get_close_matches(name, list(self._names), n=1)
-            hint = f'; did you mean {close[0]}?' if close else ''
-            node.get_logger().warning(f'parameter {name}: no such parameter, ignored{hint}')
+            node.get_logger().warning(f'parameter {self.unknown(name)}, ignored')
 
 
 def _parameter_type(hint: Any) -> Parameter.Type:

@@ -112,5 +112,5 @@ def source_of(node: Any, topic: str) -> str:
         if other.rpartition('/')[2] == last and node.count_publishers(other)
     ]
     if not others:
-        return f'{name}, on which no node publishes'
+        return f'{name}, on which no node publishes; is the namespace right?'
     return f'{name}, on which no node publishes; there is {", ".join(sorted(others)[:4])}'

@@ -34,7 +34,7 @@ from satvib_control.core.output import ControllerOutput
 from satvib_control.core.reception import JOINED, LateStart, Measured, Received, Wish
 from satvib_control.core.trusted_model import TrustedModel
 from satvib_control.core.vibration_watch import Verdict, VibrationWatch
-from satvib_control.laws.base import LawInput
+from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.reasons import reason, reasons
 from satvib_control.laws.registry import make_law
 from satvib_control.laws.strut_excitation import StrutSignals
@@ -54,9 +54,7 @@ REDUCED = reason('the law made the strut louder than its open loop and goes on w
 UNSTABLE = reason('the identified model is not stable: not taken')
 UNCAUSAL = reason('the identified model has no delay, so no law can use it: not taken')
 
-
 __all__ = ['ControllerCore', 'ControllerOutput']
-
 
 NONE = int(Verdict.NONE)
 _AS_ASKED = Received()
@@ -160,6 +158,12 @@ class ControllerCore:
         self.parameters = parameters
         self.guard.limit = parameters.voltage_limit
         self.law.apply(parameters)
+
+    def effect_of(self, names: frozenset[str]) -> str:
+        """Say what people should know about settings, by name, that were just applied; empty: they act as set."""
+        law, known = self.law, bool(self._given.known.all())
+        said = law.effect_of(names, known) if isinstance(law, BasicLaw) else ''
+        return '; '.join(filter(None, (self.parameters.effect_of(names), said)))
 
     def stop(self, mask: Mask | bool = True, why: int = STOPPED) -> None:
         """Latch 0 V from the next sample on where `mask` (shape) holds, until `reset`; `why`: code of the reason."""
@@ -347,7 +351,7 @@ class ControllerCore:
         if phase not in ACTING:
             self._fade = signal = self._zero
             if phase == Phase.IDENTIFY:
-                signal = self._signals.at(k - plan.start_of(k))
+                signal = self.parameters.excitation_share * self._signals.at(k - plan.start_of(k))
             return Wish(signal, signal, self._nowhere, self._no_reason)
         self._fade = scale * self._fade_in(k, plan, phase)
         why = state.reason

@@ -90,7 +90,11 @@ class CoreParameters(LawParameters):
     )
     excitation: str = param('squares', 'signal of IDENTIFY, by its name', read_only=Fixed.START)
     excitation_amplitude: float = param(
-        10.0, 'largest voltage of the excitation', unit='V', minimum=0.0, read_only=Fixed.START
+        10.0,
+        'largest voltage of the excitation; where voltage_limit is turned below it in a run, that one',
+        unit='V',
+        minimum=0.0,
+        read_only=Fixed.START,
     )
     excitation_frequencies: tuple[float, ...] = param(
         (1.0, 2.0), 'frequencies of the excitation; those of the paper', unit='Hz', above=0.0,
@@ -113,14 +117,29 @@ class CoreParameters(LawParameters):
     )
 
     def check(self) -> None:
-        """Check the excitation against voltage limit and sample rate."""
+        """Check the excitation against the sample rate."""
         super().check()
+        self.check_frequencies('excitation_frequencies')
+
+    def check_start(self) -> None:
+        """Check the excitation against the voltage limit, which may be turned below it in a run."""
+        super().check_start()
         if self.excitation_amplitude > self.voltage_limit:
             raise SatvibError(
                 f'excitation_amplitude: {self.excitation_amplitude} V is more than voltage_limit, '
                 f'{self.voltage_limit} V'
             )
-        self.check_frequencies('excitation_frequencies')
+
+    @property
+    def excitation_share(self) -> float:
+        """Share of the excitation that is used: 1, or less where the voltage limit was turned below its amplitude."""
+        return self.voltage_limit / max(self.excitation_amplitude, self.voltage_limit)
+
+    def effect_of(self, names: frozenset[str]) -> str:
+        """Say what people should know of settings, by name, that were just set; empty: they act as set."""
+        if 'voltage_limit' in names and self.excitation_share < 1.0:
+            return f'the excitation of IDENTIFY is {self.voltage_limit:g} V at most, too'
+        return ''
 
 
 def state_every(parameters: CoreParameters, lockstep: bool) -> int:

@@ -152,6 +152,7 @@ class BasicLaw(Generic[P]):
     needs_model = False
     closes_loop = True
     cancels = False
+    settings: frozenset[str] = frozenset()  # names of the parameters that are this law's alone
     fixed_filter = False  # the voltage is -C y, and `response` gives C
     hears_partners = (
         False  # in a sum, the law keeps the margin of all loops together (see `laws.sum`)
@@ -167,6 +168,16 @@ class BasicLaw(Generic[P]):
     def apply(self, parameters: P) -> None:
         """Keep the parameters; a law reads what may change on each sample."""
         self.parameters = parameters
+
+    def effect_of(self, names: frozenset[str], known: bool) -> str:
+        """Say what people should know about settings that `apply` has just taken; empty: they act as set.
+
+        Args:
+            names: of the settings.
+            known: the law has a trusted model of every strut.
+        """
+        waits = self.needs_model and not known and names & self.settings
+        return 'acts when a trusted model is taken; until then 0 V' if waits else ''
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Nothing to forget."""

@@ -31,7 +31,13 @@ class LawParameters(LoopParameters):
         'velocity_feedback+feedforward, or a law of your own as module:Class',
         read_only=Fixed.MEMORY,
     )
-    voltage_limit: float = param(20.0, 'largest voltage', unit='V', above=0.0, maximum=1e3)
+    voltage_limit: float = param(
+        20.0,
+        'largest voltage, from the next sample on, in every phase; at the start at least excitation_amplitude',
+        unit='V',
+        above=0.0,
+        maximum=1e3,
+    )
     modulus_margin: float = param(
         0.5,
         'least distance of the Nyquist curve from -1; its inverse is the largest amplification',
@@ -64,6 +70,11 @@ class LawParameters(LoopParameters):
         above=1.0,
         read_only=Fixed.PROTECTION,
     )
+
+    @classmethod
+    def own(cls) -> frozenset[str]:
+        """Names of the settings that this schema adds to those that it builds on."""
+        return frozenset(vars(cls).get('__annotations__', {}))
 
     def check_frequencies(self, *names: str) -> None:
         """Refuse frequencies (Hz) that are not below half the sample rate.

@@ -8,7 +8,7 @@
 from collections.abc import Iterable
 
 import numpy as np
-from satvib_common.arrays import Integers, Mask
+from satvib_common.arrays import Array, Integers, Mask
 
 _TEXTS: list[str] = ['']
 _CODES: dict[str, int] = {'': 0}
@@ -25,6 +25,11 @@ def reason(text: str) -> int:
 def text_of(code: int) -> str:
     """Give the text of a code."""
     return _TEXTS[int(code)]
+
+
+def shown(values: Array) -> str:
+    """Give figures (shape) for a line of text, of several struts with a stroke between them."""
+    return ' / '.join(f'{value:.4g}' for value in np.ravel(values))
 
 
 def reasons(texts: str | Iterable[str], shape: tuple[int, ...]) -> Integers:

@@ -74,7 +74,7 @@ class LawSum(BasicLaw[LawParameters]):
         )
 
     def _shared(self, parameters: LawParameters, hears: bool) -> LawParameters:
-        return parameters if hears else parameters.replace(modulus_margin=self._budget)
+        return parameters if hears else parameters.changed({'modulus_margin': self._budget})
 
     def _response(self, omega: Array) -> Complex:
         """C of the loops that are fixed filters together."""
@@ -151,6 +151,11 @@ class LawSum(BasicLaw[LawParameters]):
             law.apply(self._shared(parameters, hears))
         if self._model.known.any():
             self._introduce()
+
+    def effect_of(self, names: frozenset[str], known: bool) -> str:
+        """Say what every part says."""
+        parts = [law for law in self.parts if isinstance(law, BasicLaw)]
+        return '; '.join(filter(None, (law.effect_of(names, known) for law in parts)))
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Reset every part."""

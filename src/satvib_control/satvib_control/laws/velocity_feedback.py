@@ -26,7 +26,7 @@ from satvib_common.signals.integrator import LeakyIntegrator
 
 from satvib_control.laws.base import BasicLaw, LawInput
 from satvib_control.laws.parameters import VelocityParameters
-from satvib_control.laws.reasons import reason
+from satvib_control.laws.reasons import reason, shown, text_of
 from satvib_control.model_analysis.dominant_mode import polarity
 from satvib_control.model_analysis.gain_bounds import gain_bounds
 
@@ -41,6 +41,7 @@ class VelocityFeedback(BasicLaw[VelocityParameters]):
     """u = -g s H y; see the module's page."""
 
     fixed_filter = True
+    settings = VelocityParameters.own()
 
     def __init__(
         self, parameters: VelocityParameters, dt: float, shape: tuple[int, ...] = ()
@@ -82,6 +83,14 @@ class VelocityFeedback(BasicLaw[VelocityParameters]):
         state.ki_min = np.where(trusted, bounds.minimum, state.ki_min)
         state.ki_max = np.where(trusted, bounds.maximum, state.ki_max)
         self._retune()
+
+    def effect_of(self, names: frozenset[str], known: bool) -> str:  # noqa: ARG002 - it acts without a model, too
+        """Say where the gain is not the one that was set."""
+        wanted = self.parameters.velocity_gain
+        if not names & self.settings or np.all(np.abs(self._gain) == wanted):
+            return ''
+        why = text_of(int(np.max(self.state.reason)))
+        return f'{why}: {shown(self._gain)} V/(m/s) in use'
 
     def step(self, x: LawInput, phase: Phase) -> Array:  # noqa: ARG002 - the same in every phase
         """Give the voltage (shape, V)."""

@@ -3,7 +3,7 @@
 """A line in the log when something changes that a person must know: phase, fault, model, a voltage that is lost."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from satvib_common.phases import Phase
@@ -20,12 +20,15 @@ class ChangeLog:
     Args:
         log: of the node.
         places: of the struts in the arrays of the core.
+        latched: says who has latched 0 V, and how that ends.
     """
 
-    def __init__(self, log: Any, places: Sequence[tuple[int, ...]]) -> None:
-        self._log, self._places = log, places
+    def __init__(
+        self, log: Any, places: Sequence[tuple[int, ...]], latched: Callable[[], str]
+    ) -> None:
+        self._log, self._places, self._latched = log, places, latched
         self._phase: object = None
-        self._fault = self._lost = False
+        self._fault, self._lost = False, 0
         self._model: object = None
 
     def see(self, output: ControllerOutput, samples: Sequence[Any]) -> None:
@@ -43,10 +46,12 @@ class ChangeLog:
             else:
                 self._log.info(f'sample {k}: the faults are released')
         state = max(sample.applied_state for sample in samples)
-        if (state >= Applied.SILENT) != self._lost:
-            self._lost = state >= Applied.SILENT
-            if self._lost:
-                self._log.warning(f'sample {k}: {TEXTS[Applied(state)]}')
+        lost = state if state >= Applied.SILENT else 0  # silence may become a latch
+        if lost != self._lost:
+            self._lost = lost
+            if lost:
+                what = self._latched() if state == Applied.LATCHED else TEXTS[Applied(state)]
+                self._log.warning(f'sample {k}: {what}')
             else:
                 self._log.info(f'sample {k}: the voltage reaches its coil again')
 

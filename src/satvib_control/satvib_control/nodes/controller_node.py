@@ -62,16 +62,16 @@ class ControllerNode(SatvibNode[P]):
         self.offer('release')
         self.plan: PhasePlan | None = None
         self.patient_until = time.monotonic() + _PATIENCE
-        self.gate = ScheduleGate(
-            self, self.shared('schedule'), self.parameters.sample_rate, self.run_is_on
-        )
-        self.fit = Fit(self, self.parameters.sample_rate, self.run_is_on)
+        rate = self.parameters.sample_rate
+        self.gate = ScheduleGate(self, self.shared('schedule'), rate, self.run_is_on)
+        self.fit = Fit(self, rate, self.run_is_on)
         self.last: ControllerOutput | None = None
         self.voltages = [blank(VcaVoltage) for _ in struts]
         self.voltage_out = [self.publish_on(VcaVoltage, f'{name}voltage') for _, name in struts]
         names = [name for _, name in struts]
         self.report = StateReport(self.publish_on, names, self.places, 1)
-        self.changes, self.sources = ChangeLog(self.get_logger(), self.places), SourceWatch(self)
+        self.sources = SourceWatch(self, names)
+        self.changes = ChangeLog(self.get_logger(), self.places, self.sources.latched)
         topic, expected = f'{names[0]}acceleration', lambda: self.plan is not None
         self.pace = PaceFollower(self, topic, self.hear, self.follow_pace, expected)
         ControllerNode.follow_pace(self)
@@ -119,6 +119,10 @@ class ControllerNode(SatvibNode[P]):
         """Hand new settings to the core."""
         self.core.apply(parameters)
 
+    def effect_of(self, names: frozenset[str]) -> str:
+        """Ask the core."""
+        return self.core.effect_of(names)
+
     def stop(self) -> str:
         """Latch 0 V."""
         self.core.stop()
@@ -135,11 +139,7 @@ class ControllerNode(SatvibNode[P]):
         return 'the law acts again'
 
     def reset(self) -> str:
-        """Release faults.
-
-        Raises:
-            SatvibError: one stays, for no reset can give a bias.
-        """
+        """Release faults; a SatvibError where one stays, for no reset can give a bias."""
         self.sources.reset()
         if not self.core.reset():
             raise SatvibError(
@@ -154,7 +154,7 @@ class ControllerNode(SatvibNode[P]):
         if self.last is None:
             return '', waiting
         complaint, figures = self.report.diagnose(self.last)
-        return complaint, waiting | figures
+        return self.sources.with_source(complaint), waiting | figures
 
     def is_at_fault(self) -> bool:
         """Whether 0 V is latched somewhere."""

@@ -6,14 +6,17 @@ Two names in the graph prove nothing, for a node that was killed stays there for
 turns are found by the order of their messages (`satvib_common.sequence.Rivals`).
 """
 
+from collections.abc import Sequence
 from typing import Any
 
-from satvib_common.ros.loop.rivals import too_many_writers
+from satvib_common.ros.loop.rivals import too_many_writers, writers_of
 from satvib_common.sequence import Rivals
+from satvib_common.struts.applied import TEXTS, Applied
 
 from satvib_control.laws.reasons import reason, text_of
 
 SAMPLES = reason('fault: two sources of samples; end one of them, then call ~/reset')
+_LATCHED = TEXTS[Applied.LATCHED]
 MODELS = reason('fault: two sources of models; end one of them, then call ~/reset')
 
 
@@ -22,10 +25,11 @@ class SourceWatch:
 
     Args:
         node: it, with its `core`.
+        names: of the struts, as prefixes of their topics.
     """
 
-    def __init__(self, node: Any) -> None:
-        self._node = node
+    def __init__(self, node: Any, names: Sequence[str]) -> None:
+        self._node, self._names = node, names
         self.reset()
 
     def reset(self) -> None:
@@ -43,6 +47,20 @@ class SourceWatch:
         odd, self._newest = sequence <= self._newest, sequence
         if self._models.saw(odd):
             self._latch(MODELS, topic)
+
+    def latched(self) -> str:
+        """Say that 0 V is latched, as `with_source`, and who else answers for a strut, which latches it."""
+        rivals = too_many_writers(self._node, *(f'{name}voltage' for name in self._names))
+        return '; '.join(filter(None, (self.with_source(_LATCHED), rivals)))
+
+    def with_source(self, complaint: str) -> str:
+        """Name the source that has latched 0 V, and its service that ends that, in a complaint that says so."""
+        if _LATCHED not in complaint:
+            return complaint
+        sources = writers_of(self._node, f'{self._names[0]}acceleration')
+        by, resets = (' or '.join(f'{s}{end}' for s in sources) for end in ('', '/reset'))
+        what = f'0 V: latched by {by}, which says why on /diagnostics, until {resets} is called'
+        return complaint.replace(_LATCHED, what) if sources else complaint
 
     def _latch(self, why: int, topic: str) -> None:
         self._node.core.stop(why=why)

@@ -16,7 +16,7 @@ from satvib_control.nodes.change_log import ChangeLog
 def changes(caplog):
     """A change log of one strut, and its lines as level and text."""
     caplog.set_level(logging.INFO)
-    log = ChangeLog(logging.getLogger('changes'), [()])
+    log = ChangeLog(logging.getLogger('changes'), [()], lambda: 'latched by a plant')
     return log, lambda: [(r.levelname, r.getMessage()) for r in caplog.records]
 
 

@@ -66,6 +66,7 @@ class Feedforward(BasicLaw[FeedforwardParameters]):
     """
 
     needs_model = True
+    settings = FeedforwardParameters.own()
     closes_loop = False
     cancels = True
 

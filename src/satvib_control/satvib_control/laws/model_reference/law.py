@@ -51,7 +51,7 @@ from satvib_control.laws.model_reference.adaptation import Rule, move
 from satvib_control.laws.model_reference.design import Design, make_design, several
 from satvib_control.laws.model_reference.parameters import ModelReferenceParameters
 from satvib_control.laws.model_reference.step import Gain, Memory, Setting, pid_step
-from satvib_control.laws.reasons import reason
+from satvib_control.laws.reasons import reason, shown
 from satvib_control.laws.strut_excitation import StrutSignals
 from satvib_control.model_analysis.gain_projection import ray
 
@@ -61,12 +61,14 @@ SATURATED = reason('adaptation frozen: the voltage is saturated')
 CLIPPED = reason('adaptation frozen: the upper sensor clips')
 UNTUNED = reason('the gain is still 0: no ADAPT so far, and adapt_in_control is off')
 IDLE = reason('adaptation frozen: not excited')
+MOVED = reason('a gain is outside the bounds of the identified model: the gains are moved to them')
 
 
 class ModelReference(BasicLaw[ModelReferenceParameters]):
     """Adaptive PID; see the module's page."""
 
     needs_model = True
+    settings = ModelReferenceParameters.own()
 
     def __init__(
         self, parameters: ModelReferenceParameters, dt: float, shape: tuple[int, ...] = ()
@@ -83,6 +85,7 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
         self._order = np.zeros(shape, dtype=np.int64)  # of the loop that the gains were adapted on
         self._untuned = np.ones(shape, dtype=bool)
         self._design = Design.without_model(shape, self._integrator)
+        self._moved = np.zeros(shape, dtype=bool)  # a gain that does not adapt is not as asked for
         self._several = several(p)
         self._scale = self._design.sizes  # of each gain; 0: it does not adapt
         self._wanted = self._start_of(p)
@@ -130,6 +133,21 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
         gains, start = self._memory.gains, self._design.start
         new = self._design.within(np.where(self._adapted > 0.0, gains, start), p)
         gains[...] = np.where(self._known[..., None], new, gains)
+        self._see_moved()
+        self._show_gains()
+
+    def _see_moved(self) -> None:
+        asked = self._design.sign[..., None] * np.array(self._wanted)
+        differs = (self._memory.gains != asked) & (self._adapted == 0.0)
+        self._moved = self._known & np.any(differs, axis=-1)
+
+    def effect_of(self, names: frozenset[str], known: bool) -> str:
+        """Say where the bounds of the model have moved the gains, and to which values."""
+        said = super().effect_of(names, known)
+        if said or not names & {'gain_p', 'gain_i', 'gain_d'} or not self._moved.any():
+            return said
+        used = [f'{gain.name.lower()} {shown(self._memory.gains[..., gain])}' for gain in Gain]
+        return f'moved to the bounds of the identified model: {", ".join(used)}'
 
     def set_model(self, model: IirModel, trusted: Mask, covariance: Array | None = None) -> None:
         """Design bounds, reference model and sensitivity filters where the model is trusted.
@@ -150,6 +168,7 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
         lyapunov = p.adaptation_rule == 'lyapunov'
         self._settings[..., Setting.LYAPUNOV] = self._design.sign if lyapunov else 0.0
         self._known = self._known | trusted
+        self._see_moved()
         self.state.ki_min = np.where(trusted, new.low, self.state.ki_min)
         self.state.ki_max = np.where(trusted, new.high, self.state.ki_max)
 
@@ -165,7 +184,7 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
         state = self.state
         state.reference, state.model_output, state.error = reference, model_output, error
         state.sensitivity, state.adapting = eta[..., self._shown], np.zeros(self.shape, dtype=bool)
-        why = np.where(design.attainable, 0, UNATTAINABLE)
+        why = np.where(self._moved, MOVED, np.where(design.attainable, 0, UNATTAINABLE))
         if adapt or (phase == Phase.CONTROL and self.parameters.adapt_in_control):
             learn = x.valid & ~x.upper_clipped & ~x.saturated & self._known
             state.adapting = self._adapt(learn, error_pass, eta_pass)
@@ -174,7 +193,8 @@ class ModelReference(BasicLaw[ModelReferenceParameters]):
             why = np.where(state.adapting, why, frozen)
         elif phase == Phase.CONTROL:
             kp, ki = self._memory.gains[..., Gain.KP], self._memory.gains[..., Gain.KI]
-            why = np.where(self._untuned & (ki == 0.0) & (kp == 0.0), UNTUNED, why)
+            untuned = self._untuned & (ki == 0.0) & (kp == 0.0) & ~self._moved
+            why = np.where(untuned, UNTUNED, why)
         state.reason = np.where(self._known, why, NO_MODEL)
         self._show_gains()
         return np.asarray(u)

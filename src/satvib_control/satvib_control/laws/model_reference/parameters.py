@@ -3,7 +3,9 @@
 """Parameters of the law `model_reference`."""
 
 from dataclasses import dataclass
+from typing import Self
 
+from satvib_common.errors import SatvibError
 from satvib_common.schema import Fixed, param
 
 from satvib_control.laws.parameters import VelocityParameters
@@ -118,3 +120,13 @@ class ModelReferenceParameters(VelocityParameters):
         """Check the frequencies against the sample rate."""
         super().check()
         self.check_frequencies('reference_frequencies', 'reference_frequency')
+
+    def check_change(self, before: Self) -> None:
+        """Refuse another start of a gain that adapts: it would change nothing that is seen."""
+        super().check_change(before)
+        for gain in self.adapted_gains:
+            name = f'gain_{gain[1:]}'
+            if getattr(self, name) != getattr(before, name):
+                raise SatvibError(
+                    f'{name}: {gain} adapts (adapted_gains), so its start is not set in a run'
+                )

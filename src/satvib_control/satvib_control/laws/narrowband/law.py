@@ -87,6 +87,7 @@ class Narrowband(BasicLaw[NarrowbandParameters]):
     """Resonators on tracked tones; see the module's page."""
 
     needs_model = True
+    settings = NarrowbandParameters.own()
     cancels = True
     hears_partners = True
 
