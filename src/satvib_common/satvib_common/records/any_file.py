@@ -83,6 +83,8 @@ def list_columns(path: Path, reading: Reading | None = None) -> str:
     if kind is None:
         return listed(list_text(path, reading))
     with _opened(path, kind, reading) as channels:
+        if not channels.found:
+            raise SatvibError(f'{path}: is {kind.what} without any column of numbers')
         return channels.listed()
 
 

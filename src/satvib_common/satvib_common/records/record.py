@@ -111,6 +111,7 @@ def column_record(
     return MeasuredRecord(found.values[0], found.values[1], found.dt, None, found.name, found.notes)
 
 
+@np.errstate(over='ignore', invalid='ignore')  # damaged bytes may be any number
 def read_columns(
     path: Path,
     asked: Sequence[Column],

@@ -79,6 +79,7 @@ def plain(unit: str) -> str:
         return ''
     for old, new in (
         ('⁻²', '^-2'),
+        ('/s\ufffd', '/s^2'),  # of Latin-1 that was read as UTF-8
         ('²', '^2'),
         ('**', '^'),
         ('µ', 'u'),

@@ -22,6 +22,7 @@ from satvib_common.records.units import ACCELERATION, VOLTAGE, scale_of, told_sc
         '[m/s^2]',
         '(m/s²)',
         ' m/s**2 ',
+        'm/s\ufffd',
     ],
 )
 def test_the_many_ways_of_one_unit(unit):

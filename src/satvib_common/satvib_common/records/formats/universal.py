@@ -57,18 +57,18 @@ def channels(path: Path, recover: bool = False) -> Iterator[Channels]:
         for i in (i for i, kind in enumerate(kinds) if kind in {58, 164}):
             with one_line(path, UNIVERSAL.what, f'data set {i + 1}'):
                 headers[i] = file.read_sets(i, header_only=kinds[i] == 58)
-        if not any(kinds[i] == 58 for i in headers):
-            there = ', '.join(str(k) for k in sorted(set(kinds))) or 'none'
-            raise SatvibError(f'{path}: holds no data set 58, only {there}')
-        yield Channels(
-            _named([_channel(path, file, i, headers) for i in headers if kinds[i] == 58])
-        )
+        found = [_channel(path, file, i, headers) for i in headers if kinds[i] == 58]
+    if not found:
+        there = ', '.join(str(k) for k in sorted(set(kinds))) or 'none'
+        raise SatvibError(f'{path}: holds no data set 58, in which records are, only {there}')
+    yield Channels(_named(found))
 
 
 def _channel(path: Path, file: Any, i: int, headers: dict[int, Any]) -> Channel:
     header = headers[i]
     size, kind = int(header['num_pts']), int(header['func_type'])
     check_size(path, f'data set {i + 1}', 8 * size)
+    first = printable(header['id1'].strip())
     reason = ''
     if kind not in {0, 1}:
         reason = f'{_FUNCTIONS.get(kind, f"function {kind}")}, not a time record'
@@ -77,7 +77,7 @@ def _channel(path: Path, file: Any, i: int, headers: dict[int, Any]) -> Channel:
     even = header['abscissa_spacing'] == _EVEN
     return Channel(
         name=f'{header["rsp_node"]}{_DIRECTIONS.get(int(header["rsp_dir"]), "")}',
-        short=printable(header['id1'].strip()),
+        short='' if first.upper() == 'NONE' else first,
         size=size,
         load=_loader(path, file, i, size, 'data'),
         unit=_unit(header, headers, i),
@@ -121,6 +121,6 @@ def _named(found: list[Channel]) -> list[Channel]:
     for i, channel in enumerate(found):
         name, short = channel.name, channel.short
         if places[name] > 1 or name.startswith('0'):
-            name = short if texts[short] == 1 and short.upper() != 'NONE' else f'{name}#{i + 1}'
+            name = short if short and texts[short] == 1 else f'{name}#{i + 1}'
         named.append(Channel(**{**vars(channel), 'name': name, 'short': short}))
     return named

@@ -74,6 +74,10 @@ def test_what_matlab_files_hold_besides_numbers_is_named(mat):
     assert '--time: long has 7 samples, u has 64' in refused(path, 'u', 'u', time='long')
 
 
+def test_a_file_without_numbers_is_no_record(mat):
+    assert 'is a MATLAB file without any column of numbers' in refused(mat(who='x'), None, None)
+
+
 def test_a_table_of_matlab_is_named_with_the_way_out(tmp_path):
     """Written as MATLAB 7.3 marks an object; its contents are not published."""
     import h5py

@@ -16,7 +16,7 @@ from satvib_common.records.layout import Reading
 from satvib_common.records.record import column_record
 
 QUIET = settings(
-    max_examples=40, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True
+    max_examples=200, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True
 )
 
 
