@@ -199,7 +199,9 @@ def _convert(
             )
         elif scale != 1.0:
             values[i] *= scale
-            notes.append(f'{column.role}: converted from {known} to {column.quantity.unit}')
+            notes.append(
+                f'{column.role}: converted from {unit.strip(" []()")} to {column.quantity.unit}'
+            )
     if silent:
         taken = ', '.join(f'{c.role} as {c.quantity.unit}' for c in silent)
         options = ', '.join(f'--{c.role}-unit' for c in silent)
