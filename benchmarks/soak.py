@@ -1,102 +1,79 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""What grows in a long run: memory, descriptors and shared memory of every process, and late samples.
+"""A long run, in real time and in lockstep: what is lost or late, and what grows. Writes the figures of docs/soak.md.
 
-    ./satvib shell
-    python benchmarks/soak.py --minutes 60               # real time, 200 Hz
-    python benchmarks/soak.py --minutes 60 --lockstep    # an hour of the clock, as fast as it goes
+    ./satvib shell -c 'python benchmarks/soak.py'                      # an hour of each
+    ./satvib shell -c 'python benchmarks/soak.py --minutes 3'
+    ./satvib shell -c 'python benchmarks/soak.py --kind lockstep --composition single --no-page'
 
-The slope is the median of the slopes between all pairs of readings (Theil and Sen) after the first third, in which
-caches and histories fill.
+In real time the minutes are those of the clock. In lockstep they are the same number of samples, as fast as it goes.
+Exit code 1: something is lost, or descriptors or shared memory have grown.
 """
 
 import argparse
-import json
-import os
-import subprocess
 import sys
 import tempfile
-import time
-from collections import defaultdict
 from pathlib import Path
 
-import numpy as np
-import psutil
-from satvib_bringup.live.bench.usage import children_of
-from scipy.stats import theilslopes
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT / 'tests'), str(ROOT / 'tests' / 'soak')]
 
-_EVERY = 1.0  # s
+from processes import own_domain  # noqa: E402 - they live with the tests
+from soak_page import KINDS, text_of, write  # noqa: E402
+from soaking import Soak, soak  # noqa: E402
 
-
-def watch(command: list[str], folder: Path) -> dict[str, list[tuple[float, float, int]]]:
-    """Run a command; gives for each process (s, MB, descriptors), once a second."""
-    found = defaultdict(list)
-    began = time.monotonic()
-    running = subprocess.Popen(
-        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
-    )
-    while running.poll() is None:
-        for name, pid in children_of(running.pid, folder).items():
-            try:
-                process = psutil.Process(pid)
-                memory = process.memory_full_info().uss / 2**20
-                found[name].append((time.monotonic() - began, memory, process.num_fds()))
-            except psutil.Error:
-                continue
-        time.sleep(_EVERY)
-    assert running.stderr is not None
-    if running.returncode not in (0, 3):
-        sys.exit(f'{" ".join(command)}: exit code {running.returncode}: {running.stderr.read()}')
-    return found
+PAGE = ROOT / 'docs' / 'soak.md'
 
 
-def table(found: dict[str, list[tuple[float, float, int]]]) -> list[str]:
-    """Rows: process, MB at the end, MB an hour with its 95 % interval, descriptors at the third and at the end."""
-    lines = ['| process | MB | MB/hour | 95 % | descriptors |', '|---|---:|---:|---:|---:|']
-    for name, readings in sorted(found.items()):
-        times, memory, descriptors = np.array(readings).T
-        # the last readings are of the end, when the bag gets its index
-        late = (times > times[0] + (times[-1] - times[0]) / 3) & (times < times[-1] - 3.0)
-        if late.sum() < 10:
-            continue
-        slope, _, low, high = theilslopes(memory[late], times[late] / 3600.0)
-        lines.append(
-            f'| {name} | {memory[late][-1]:.1f} | {slope:+.2f} | {low:+.2f} to {high:+.2f} | '
-            f'{descriptors[late][0]:.0f}, {descriptors[late][-1]:.0f} |'
-        )
-    return lines
+def complaints(found: Soak) -> list[str]:
+    """What must not be."""
+    outcome = found.outcome
+    wrong = [] if outcome['success'] else [outcome['message']]
+    if outcome['lost']:
+        wrong.append(f'{outcome["lost"]} samples and voltages are lost')
+    if found.left:
+        wrong.append(f'{found.left} files are left in shared memory')
+    for name, growth in found.processes.items():
+        for what in ('descriptors', 'segments'):
+            first, last = getattr(growth.first, what), getattr(growth.last, what)
+            if last > first:
+                wrong.append(f'{name}: {first} {what}, {last} in the end')
+    return wrong
 
 
-def main() -> None:
+def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument('--minutes', type=float, default=3.0, help='of the run')
-    parser.add_argument('--lockstep', action='store_true')
+    parser.add_argument('--minutes', type=float, default=60.0, help='of the experiment')
+    parser.add_argument('--kind', choices=[*KINDS.values(), 'both'], default='both')
     parser.add_argument('--scenario', default='soft_3dof')
-    parser.add_argument('--set', nargs='+', default=[], dest='more')
+    parser.add_argument('--rate', type=float, default=200.0, help='Hz')
     parser.add_argument('--composition', default='separate')
+    parser.add_argument('--set', nargs='+', default=[], dest='more', help='changes to the scenario')
+    parser.add_argument('--page', type=Path, default=PAGE, help='the page to write')
+    parser.add_argument('--no-page', action='store_true', help='show the figures only')
     given = parser.parse_args()
-    os.environ.setdefault('ROS_DOMAIN_ID', '94')
-    before = len(list(Path('/dev/shm').glob('fastrtps*')))
-    with tempfile.TemporaryDirectory(prefix='satvib-soak-') as place:
-        folder = Path(place, 'run')
-        command = [
-            sys.executable, '-m', 'satvib_bringup.cli.main', 'run', given.scenario,
-            '--folder', str(folder), '--composition', given.composition,
-        ]  # fmt: skip
-        for change in (f'duration={60.0 * given.minutes}', *given.more):
-            command += ['--set', change]
-        if not given.lockstep:
-            command.append('--realtime')
-        began = time.monotonic()
-        found = watch(command, folder)
-        print(f'{given.minutes:g} minutes in {(time.monotonic() - began) / 60.0:.1f} minutes')
-        print('\n'.join(table(found)))
-        result = json.loads((folder / 'result.json').read_text())
-        size = sum(path.stat().st_size for path in (folder / 'bag').iterdir())
-        print(f'bag {size / 1e6:.1f} MB; shared memory files {before} before')
-        print(json.dumps({k: result.get(k) for k in ('late', 'timing', 'shortfalls')}))
-    print(f'{len(list(Path("/dev/shm").glob("fastrtps*")))} files in shared memory after')
+    settings = [
+        f'duration={60.0 * given.minutes}', f'rig.acquisition.sample_rate={given.rate}', 'analysis={}',
+        *given.more,
+    ]  # fmt: skip
+    wrong = []
+    for realtime, kind in KINDS.items():
+        if given.kind not in {kind, 'both'}:
+            continue
+        with tempfile.TemporaryDirectory(prefix='satvib-soak-') as place, own_domain(Path(place)):
+            every = max(given.minutes / 60.0 * 5.0, 0.5)
+            found = soak(
+                given.scenario, settings, Path(place, 'soak'), realtime, given.composition, every
+            )
+        text = text_of(found, given.minutes, given.scenario, given.composition)
+        print(f'{kind}: {text}', flush=True)
+        wrong += [f'{kind}: {complaint}' for complaint in complaints(found)]
+        if not given.no_page:
+            page = given.page.read_text(encoding='utf-8')
+            given.page.write_text(write(page, realtime, text), encoding='utf-8')
+    print('\n'.join(wrong) or 'nothing is lost, and no descriptor and no segment is left')
+    return 1 if wrong else 0
 
 
 if __name__ == '__main__':
-    main()
+    sys.exit(main())

@@ -59,6 +59,16 @@ def left_in_shared_memory(names: set[str]) -> set[str]:
     return {name for name in there if not _is_held(SHARED / f'{name.removesuffix("_el")}_el')}
 
 
+def of_folder(folder: Path) -> list[int]:
+    """Ids of the processes whose command line names a folder."""
+    found = []
+    for path in Path('/proc').glob('[0-9]*/cmdline'):
+        with contextlib.suppress(OSError):
+            if str(folder).encode() in path.read_bytes():
+                found.append(int(path.parent.name))
+    return found
+
+
 def _is_held(lock: Path) -> bool:
     """Whether a process lives that has locked the file."""
     try:
@@ -184,11 +194,13 @@ class Probe:
 
         return self.node.create_publisher(kind, topic, offered())
 
-    def collect(self, kind: Any, topic: str, whole: bool = True) -> list[Any]:
+    def collect(
+        self, kind: Any, topic: str, whole: bool = True, into: list[Any] | None = None
+    ) -> list[Any]:
         """A list that fills with the messages of a topic, however long the test looks elsewhere."""
         from satvib_common.ros.qos import wanted
 
-        found: list[Any] = []
+        found: list[Any] = [] if into is None else into
         self.readers[topic] = self.node.create_subscription(
             kind, topic, found.append, wanted(whole, depth=20_000)
         )

@@ -18,6 +18,7 @@ from mangling import Mangler, Mangling
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.experimental import EventsExecutor
+from rclpy.serialization import serialize_message
 from rclpy.task import Future
 from satvib_common.ros.qos import offered, wanted
 from std_msgs.msg import String
@@ -76,8 +77,8 @@ class Between(FaultNode):
             )
 
     def begin(self, order: dict) -> None:
-        self.topic, self.left, seed = order['topic'], order['count'], order['seed']
-        self.mangler = Mangler(Mangling(**order['mangling']), seed)
+        self.topic, self.left = order['topic'], order['count']
+        self.mangler = Mangler(Mangling(**order['mangling']), order['seed'], serialize_message)
         self.begun = False
 
     def _pass_on(self, topic: str, message: object) -> None:
@@ -99,7 +100,7 @@ class Between(FaultNode):
 
 
 class Stranger(FaultNode):
-    """Publishes on a topic of others: the newest message that it has heard there, with other values."""
+    """Publishes on a topic of others: the newest message that it has heard there, or a blank one, with other values."""
 
     def __init__(self) -> None:
         super().__init__('stranger')
@@ -108,17 +109,17 @@ class Stranger(FaultNode):
     def begin(self, order: dict) -> None:
         package, name = order['kind'].split('/')
         kind = getattr(importlib.import_module(f'{package}.msg'), name)
-        self.heard = None
-        self.mangler = Mangler(Mangling(**order['mangling']), order['seed'])
-        self.left, self.burst = order['count'], max(round(order['rate'] / 1000.0), 1)
+        self.heard = kind() if order['blank'] else None
+        self.mangler = Mangler(Mangling(**order['mangling']), order['seed'], serialize_message)
+        self.rate, self.count, self.left = order['rate'], order['count'], order['count']
         self.publisher = self.node.create_publisher(kind, order['topic'], offered())
         self.reader = self.node.create_subscription(
             kind, order['topic'], self._hear, wanted(whole=True)
         )
         # this node hears itself
         self.readers = order['readers'] + 1
-        self.begun = False
-        self.timer = self.node.create_timer(1.0 / order['rate'], self._publish)
+        self.begun = 0.0  # s of the steady clock
+        self.timer = self.node.create_timer(1.0 / min(self.rate, 500.0), self._publish)
 
     def _hear(self, message: object) -> None:
         if not self.begun:
@@ -128,11 +129,13 @@ class Stranger(FaultNode):
         if self.heard is None or self.publisher.get_subscription_count() < self.readers:
             return
         if not self.begun:
-            self.begun = True
+            self.begun = time.monotonic()
             self.say('begun')
-        self.mangler.touched += 1
-        self.publisher.publish(self.mangler.change(self.heard))
-        self.left -= 1
+        due = 1 + (time.monotonic() - self.begun) * self.rate
+        while self.left and self.count - self.left < due:
+            self.mangler.touched += 1
+            self.publisher.publish(self.mangler.change(self.heard))
+            self.left -= 1
         if self.left == 0:
             self.node.destroy_timer(self.timer)
             self.publisher.wait_for_all_acked(Duration(seconds=5.0))

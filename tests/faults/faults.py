@@ -10,6 +10,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from mangling import Mangling
+from satvib_common.phases import Phase
 
 RATE = 200  # Hz
 
@@ -33,7 +34,7 @@ class Mangle(NamedTuple):
 
 
 class Stranger(NamedTuple):
-    """Another node publishes on a topic what it has heard there, changed."""
+    """Another node publishes on a topic what it has heard there, changed; or a message that is blank but for that."""
 
     topic: str
     kind: str
@@ -41,6 +42,7 @@ class Stranger(NamedTuple):
     count: int
     rate: float
     readers: int  # at least so many hear it before it begins
+    blank: bool = False
 
 
 class Stall(NamedTuple):
@@ -57,12 +59,14 @@ class Restart(NamedTuple):
 
 
 class Second(NamedTuple):
-    """A second process of a node beside the first, until 0 V is latched."""
+    """A second process of a node beside the first, until one of the graph says so."""
 
     node: str
 
 
 Act = Mangle | Stranger | Stall | Restart | Second
+IN_CONTROL = (Phase.CONTROL,)
+IN_EACH = (Phase.STANDBY, Phase.CALIBRATE, Phase.IDENTIFY, Phase.CONTROL)
 
 
 class Fault(NamedTuple):
@@ -76,6 +80,8 @@ class Fault(NamedTuple):
         back: samples from the end of the fault until the payload is as calm as before.
         silence: the fault is found because no fresh voltage comes.
         said: a part of what some node must have said.
+        phases: in which it is played.
+        louder: dB, by which the payload may be louder meanwhile where the law must go on acting.
     """
 
     name: str
@@ -85,14 +91,23 @@ class Fault(NamedTuple):
     back: int = 2 * RATE
     silence: bool = False
     said: str = ''
+    phases: tuple[Phase, ...] = IN_CONTROL
+    louder: float = 2.0
 
 
 HUGE = [math.nan, math.inf, -math.inf, 1e300, -1e300]
 FAR = [2**63, 2**64 - 1, 10**9, 0]
+ABSURD = {
+    'applied': HUGE,
+    'applied_state': [7, 255],
+    'pace': [2, 255],
+    'sample_period': [0.005, -1.0],
+}
 HOUR = 3600
 
 MESSAGES = (
-    Fault('voltages lost, every third', Mangle('voltage', Mangling('lose', 0.33)), Must.BOUNDED),
+    # a voltage that is held for a sample more is half a sample older on average: see docs/faults.md
+    Fault('voltages lost, every third', Mangle('voltage', Mangling('lose', 0.33)), Must.STEADY, louder=4.0),
     Fault('voltages doubled, one in twenty', Mangle('voltage', Mangling('double', 0.05)), Must.STEADY),
     Fault(
         'every voltage doubled', Mangle('voltage', Mangling('double')), Must.LATCHED, 25, said='two controllers answer',
@@ -128,6 +143,18 @@ MESSAGES = (
         Mangle('acceleration', Mangling(share=0.1, put={'sequence': FAR})), Must.BOUNDED,
     ),
     Fault(
+        'accelerations whose other numbers are absurd, one in ten',
+        Mangle('acceleration', Mangling(share=0.1, put=ABSURD)), Must.BOUNDED,
+    ),
+    Fault(
+        'accelerations cut off, one in ten', Mangle('acceleration', Mangling(share=0.1, damage='cut')), Must.BOUNDED,
+        said='refused: /strut_1/acceleration',
+    ),
+    Fault(
+        'accelerations with a wrong bit, one in ten', Mangle('acceleration', Mangling(share=0.1, damage='flip')),
+        Must.BOUNDED, back=5 * RATE,
+    ),
+    Fault(
         'voltages with an absurd sequence, one in ten',
         Mangle('voltage', Mangling(share=0.1, put={'sequence': FAR})), Must.BOUNDED,
     ),
@@ -139,7 +166,33 @@ MESSAGES = (
         'voltages of 1e300 V, one in ten', Mangle('voltage', Mangling(share=0.1, put={'voltage': [1e300, -1e300]})),
         Must.BOUNDED,
     ),
+    Fault(
+        'voltages cut off, one in ten', Mangle('voltage', Mangling(share=0.1, damage='cut')), Must.BOUNDED,
+        said='refused: /plant/strut_1/voltage',
+    ),
 )  # fmt: skip
+
+
+def _models(
+    word: str, mangling: Mangling, must: Must = Must.STEADY, within: int = 0, said: str = ''
+) -> Fault:
+    """In IDENTIFY, where a model comes with every sample."""
+    act, phases = Mangle('identified_model', mangling), (Phase.IDENTIFY,)
+    return Fault(f'models {word}', act, must, within, said=said, phases=phases)
+
+
+NO_MODEL = {'a': [[math.nan]], 'b': [[1e300]], 'covariance': [[math.inf] * 4]}
+MODELS = (
+    _models('lost, all', Mangling('lose')),
+    _models('doubled, one in twenty', Mangling('double', 0.05)),
+    _models('doubled, all', Mangling('double'), Must.LATCHED, 40, 'two sources of models'),
+    _models('reordered, one pair in twenty', Mangling('swap', 0.05)),
+    _models('delayed by 4 samples', Mangling('delay', by=4)),
+    _models('that are no numbers, one in ten', Mangling(share=0.1, put=NO_MODEL)),
+    _models('with an absurd sequence, one in twenty', Mangling(share=0.05, put={'sequence': FAR})),
+    _models('cut off, one in ten', Mangling(share=0.1, damage='cut')),
+    _models('with a wrong bit, one in ten', Mangling(share=0.1, damage='flip')),
+)
 
 LONG = 5 * RATE  # samples in which the vibration watch listens, and the law comes back
 SENSORS = (
@@ -159,6 +212,10 @@ SENSORS = (
     Fault(
         'a step of bias of 5 m/s^2', Mangle('acceleration', Mangling(add={'upper': 5.0})), Must.BOUNDED, back=LONG,
     ),
+    Fault(
+        'the lower sensor is stuck, at the end of its range, or no number',
+        Mangle('acceleration', Mangling(put={'lower': [3.0, 39.2, math.nan]})), Must.STEADY,
+    ),
 )  # fmt: skip
 
 CLOCKS = tuple(
@@ -169,30 +226,64 @@ CLOCKS = tuple(
     for word, step in (('forward', HOUR), ('back', -HOUR))
 )  # fmt: skip
 
+# topic: kind of its messages, name, readers besides the stranger, and whether nobody else may have spoken there
+TOPICS = {
+    'voltage': ('satvib_msgs/VcaVoltage', '/strut_1/voltage', 2, False),
+    'acceleration': ('satvib_msgs/StrutAcceleration', '/strut_1/acceleration', 2, False),
+    'model': ('satvib_msgs/IirParameters', '/strut_1/identified_model', 1, False),
+    'state': ('satvib_msgs/ControllerState', '/strut_1/controller_state', 1, False),
+    'truth': ('satvib_msgs/StrutTruth', '/strut_1/truth', 1, False),
+    'applied': ('satvib_msgs/VoltageApplied', '/strut_1/voltage_applied', 0, True),
+    'schedule': ('satvib_msgs/Schedule', '/schedule', 3, False),
+    'supervision': ('std_msgs/UInt64', '/supervision', 0, True),
+    'clock': ('rosgraph_msgs/Clock', '/clock', 0, True),
+    'diagnostics': ('diagnostic_msgs/DiagnosticArray', '/diagnostics', 1, True),
+}
+
 
 def _stranger(topic: str, mangling: Mangling, count: int = 500, rate: float = 1000.0) -> Stranger:
-    kind, name, readers = {
-        'voltage': ('VcaVoltage', '/strut_1/voltage', 2),
-        'acceleration': ('StrutAcceleration', '/strut_1/acceleration', 2),
-        'model': ('IirParameters', '/strut_1/identified_model', 1),
-        'state': ('ControllerState', '/strut_1/controller_state', 1),
-        'schedule': ('Schedule', '/schedule', 3),
-    }[topic]
-    return Stranger(name, f'satvib_msgs/{kind}', mangling, count, rate, readers)
+    kind, name, readers, blank = TOPICS[topic]
+    return Stranger(name, kind, mangling, count, rate, readers, blank)
 
 
+TWO_SOURCES = 'two sources of samples'
 STRANGERS = (
     Fault(
         'a stranger: voltages that are no numbers', _stranger('voltage', Mangling(put={'voltage': HUGE}), 10),
         Must.STEADY,
     ),
     Fault(
+        'a stranger: 20 V at 1 kHz', _stranger('voltage', Mangling(put={'voltage': 20.0})), Must.LATCHED, 60,
+        said='two controllers answer',
+    ),
+    Fault(
+        'a stranger: 20 V at 5 kHz', _stranger('voltage', Mangling(put={'voltage': 20.0}), 1500, 5000.0), Must.LATCHED,
+        60, said='two controllers answer',
+    ),
+    Fault(
+        'a stranger: voltages cut off, at 1 kHz', _stranger('voltage', Mangling(damage='cut')), Must.BOUNDED,
+        said='refused: /plant/strut_1/voltage',
+    ),
+    Fault(
         'a stranger: accelerations at 1 kHz, repeated', _stranger('acceleration', Mangling()), Must.LATCHED, 60,
-        said='two sources of samples',
+        said=TWO_SOURCES,
     ),
     Fault(
         'a stranger: accelerations at 1 kHz with an absurd sequence',
-        _stranger('acceleration', Mangling(put={'sequence': FAR})), Must.LATCHED, 60, said='two sources of samples',
+        _stranger('acceleration', Mangling(put={'sequence': FAR})), Must.LATCHED, 60, said=TWO_SOURCES,
+    ),
+    Fault(
+        'a stranger: accelerations at 1 kHz that count on from 10^9',
+        _stranger('acceleration', Mangling(put={'sequence': 10**9}, slope={'sequence': 1})), Must.LATCHED, 60,
+        said=TWO_SOURCES,
+    ),
+    Fault(
+        'a stranger: accelerations in lockstep at 1 kHz', _stranger('acceleration', Mangling(put={'pace': 2})),
+        Must.BOUNDED,
+    ),
+    Fault(
+        'a stranger: accelerations cut off, at 1 kHz', _stranger('acceleration', Mangling(damage='cut')), Must.BOUNDED,
+        said='refused: /strut_1/acceleration',
     ),
     Fault(
         'a stranger: another plan, at 1 kHz', _stranger('schedule', Mangling(put={'end_sequence': 1})), Must.BOUNDED,
@@ -211,119 +302,69 @@ STRANGERS = (
         'a stranger: a model of another sample period',
         _stranger('model', Mangling(put={'sample_period': 1.0}), 5), Must.STEADY,
     ),
+    Fault(
+        'a stranger: models with an absurd sequence', _stranger('model', Mangling(put={'sequence': FAR}), 8),
+        Must.STEADY,
+    ),
+    Fault(
+        'a stranger: models at 1 kHz', _stranger('model', Mangling()), Must.LATCHED, 60, said='two sources of models',
+    ),
     Fault('a stranger: states at 1 kHz', _stranger('state', Mangling(put={'voltage': 1e300})), Must.BOUNDED),
+    Fault('a stranger: truth at 1 kHz', _stranger('truth', Mangling()), Must.BOUNDED),
+    Fault('a stranger: applied voltages at 1 kHz', _stranger('applied', Mangling(put={'voltage': 20.0})), Must.BOUNDED),
+    Fault(
+        'a stranger: judgements of a supervisor at 1 kHz', _stranger('supervision', Mangling(put={'data': FAR})),
+        Must.BOUNDED,
+    ),
+    Fault(
+        'a stranger: a clock of another time at 1 kHz', _stranger('clock', Mangling(put={'clock.sec': 7})),
+        Must.BOUNDED,
+    ),
+    Fault('a stranger: diagnostics at 1 kHz', _stranger('diagnostics', Mangling()), Must.BOUNDED),
 )  # fmt: skip
 
 PROCESSES = (
-    Fault('SIGSTOP of the controller', Stall('controller', 40), Must.ZERO, 3, silence=True),
-    Fault('SIGKILL of the controller, started again', Restart('controller'), Must.ZERO, 3, silence=True),
-    Fault('SIGSTOP of the identifier', Stall('identifier', 40), Must.STEADY),
-    Fault('SIGKILL of the identifier, started again', Restart('identifier'), Must.STEADY),
+    Fault('SIGSTOP of the controller', Stall('controller', 40), Must.ZERO, 3, silence=True, phases=IN_EACH),
+    Fault(
+        'SIGKILL of the controller, started again', Restart('controller'), Must.ZERO, 3, silence=True, phases=IN_EACH,
+    ),
+    Fault('SIGSTOP of the identifier', Stall('identifier', 40), Must.STEADY, phases=IN_EACH),
+    Fault('SIGKILL of the identifier, started again', Restart('identifier'), Must.STEADY, phases=IN_EACH),
+    Fault('SIGSTOP of the recorder', Stall('recorder', 40), Must.STEADY, phases=IN_EACH),
+    Fault('SIGKILL of the recorder, started again', Restart('recorder'), Must.STEADY, phases=IN_EACH),
+    Fault('SIGSTOP of the plant', Stall('plant', 40), Must.BOUNDED, phases=IN_EACH),
     Fault('a second controller', Second('controller'), Must.LATCHED, 150, said='two controllers answer'),
+    Fault('a second plant', Second('plant'), Must.BOUNDED, said='of samples', back=LONG),
 )  # fmt: skip
 
-# each needs a graph of its own, and is played last
+# each needs a graph of its own
 ENDINGS = (
     Fault(
         'a stranger: voltages at 1 kHz for samples that are not there yet',
         _stranger('voltage', Mangling(add={'sequence': 1000})), Must.ENDS, said='another source of samples is running',
     ),
+    Fault(
+        'a stranger: voltages at 1 kHz with an absurd sequence',
+        _stranger('voltage', Mangling(put={'sequence': FAR})), Must.ENDS, said='another source of samples is running',
+    ),
 )  # fmt: skip
 
-GOES_ON = (*MESSAGES, *SENSORS, *CLOCKS, *STRANGERS, *PROCESSES)
 # heading: faults
 CHAPTERS = {
     'Messages on their way': MESSAGES,
+    'Models on their way': MODELS,
     'Sensors': SENSORS,
     'Clocks': CLOCKS,
     'Strangers': STRANGERS,
     'Processes': PROCESSES,
     'Faults that end the graph': ENDINGS,
 }
-
-
-class Elsewhere(NamedTuple):
-    """A fault that has a test of its own: in words what must happen, and the test."""
-
-    name: str
-    must: str
-    test: str
-
-
-OTHERS = (
-    Elsewhere(
-        'SIGKILL of plant, controller, identifier or recorder in a run',
-        'the run ends within 3 s, by name, and the bag is read',
-        'tests/faults/test_run_live.py::test_killing_a_node_ends_the_run',
-    ),
-    Elsewhere(
-        'SIGKILL of the runner',
-        'every node ends, and the bag is read',
-        'tests/faults/test_run_live.py::test_killing_the_runner_leaves_no_process',
-    ),
-    Elsewhere(
-        'a voltage that is no number, in lockstep',
-        'the run ends by name',
-        'tests/faults/test_run_live.py::test_not_a_number_on_the_voltage_topic',
-    ),
-    Elsewhere(
-        'a second run in the same domain',
-        'refused by name',
-        'tests/faults/test_run_live.py::test_two_graphs_do_not_share_a_domain',
-    ),
-    Elsewhere(
-        'SIGSTOP of the controller with `after_silence: latch`',
-        '0 V until `~/reset`',
-        'tests/faults/test_restart_live.py::test_after_latch_only_reset_helps',
-    ),
-    Elsewhere(
-        'restart of the controller in CALIBRATE, IDENTIFY, CONTROL',
-        'after a second the voltage of a controller that was never away',
-        'tests/faults/test_restart_live.py::test_a_controller_that_is_started_again_goes_on',
-    ),
-    Elsewhere(
-        'restart of the identifier in IDENTIFY and CONTROL',
-        'no voltage is withheld, and the bias stays',
-        'tests/faults/test_restart_live.py::test_an_identifier_that_is_started_again_harms_nothing',
-    ),
-    Elsewhere(
-        'restart of the plant',
-        'the run begins again with sample 0',
-        'tests/faults/test_restart_live.py::test_a_plant_that_is_started_again_begins_the_run_again',
-    ),
-    Elsewhere(
-        'the disk is full before a run',
-        'one line, exit code 2',
-        'tests/faults/test_full_disk_live.py::test_a_full_disk_is_one_line',
-    ),
-    Elsewhere(
-        'the disk fills while a bag is written',
-        'the bag ends whole',
-        'tests/faults/test_full_disk_live.py::test_a_recording_ends_whole_before_the_disk_is_full',
-    ),
-    Elsewhere(
-        'the disk fills in a run',
-        'the run ends by name, and the bag is read',
-        'tests/faults/test_full_disk_live.py::test_a_disk_that_fills_during_a_run_ends_it_and_loses_little',
-    ),
-    Elsewhere(
-        'SIGKILL of bridge, guardian, controller or all, on hardware',
-        '0 V at the terminals',
-        'tests/daq/test_daq_live.py::test_kill_9',
-    ),
-    Elsewhere(
-        'SIGSTOP of bridge or guardian, on hardware',
-        '0 V at the terminals, FAULT',
-        'tests/daq/test_daq_live.py::test_a_process_that_hangs_is_0_v_too',
-    ),
-    Elsewhere(
-        'the device is unplugged',
-        'FAULT; it goes on after `~/reset`',
-        'tests/daq/test_daq_live.py::test_an_unplugged_device_and_its_return',
-    ),
-    Elsewhere(
-        'a second publisher of voltages, on hardware',
-        'FAULT, by name',
-        'tests/daq/test_daq_live.py::test_a_second_publisher_is_refused',
-    ),
-)  # fmt: skip
+GOES_ON = tuple(fault for faults in CHAPTERS.values() for fault in faults if faults is not ENDINGS)
+# of the short form
+QUICK = (
+    'all voltages lost',
+    'every acceleration doubled',
+    'accelerations with NaN, inf, 1e300, one in ten',
+    'voltages cut off, one in ten',
+    'a voltage that is no number',
+)

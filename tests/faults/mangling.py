@@ -1,14 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Messages that are lost, doubled, reordered, delayed or changed on their way."""
+"""Messages that are lost, doubled, reordered, delayed, changed or damaged on their way."""
 
 import copy
 import random
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 NOTHING: Mapping[str, Any] = MappingProxyType({})
+_HEAD = 4  # bytes of encapsulation
 
 
 class Mangling(NamedTuple):
@@ -22,6 +23,7 @@ class Mangling(NamedTuple):
         add: what is added, by field.
         slope: what is added for each message, by field.
         hold: fields that keep the value of the first message.
+        damage: of the bytes: cut (a drawn number of them is left) or flip (one bit, drawn); empty: none.
     """
 
     do: str = 'pass'
@@ -31,6 +33,7 @@ class Mangling(NamedTuple):
     add: Mapping[str, float] = NOTHING
     slope: Mapping[str, float] = NOTHING
     hold: tuple[str, ...] = ()
+    damage: str = ''
 
     def as_order(self) -> dict[str, Any]:
         """As plain data, from which `Mangling(**...)` makes the same again."""
@@ -61,14 +64,18 @@ class Mangler:
     Args:
         mangling: how.
         seed: of its chances.
+        serialize: gives the bytes of a message, to be damaged.
 
     Attributes:
         touched: how many messages it has changed or moved.
     """
 
-    def __init__(self, mangling: Mangling, seed: int) -> None:
+    def __init__(
+        self, mangling: Mangling, seed: int, serialize: Callable[[Any], bytes] = bytes
+    ) -> None:
         self.mangling = mangling
         self.touched = 0
+        self._serialize = serialize
         self._chance = random.Random(seed)
         self._kept: list[Any] = []
         self._held: dict[str, Any] = {}
@@ -96,7 +103,7 @@ class Mangler:
         return [self.change(message)]
 
     def change(self, message: Any) -> Any:
-        """Give a copy with other values."""
+        """Give a copy with other values, or its bytes with damage."""
         m, turn = self.mangling, max(self.touched - 1, 0)
         changed = copy.deepcopy(message)
         for name, value in m.put.items():
@@ -107,7 +114,14 @@ class Mangler:
             set_field(changed, name, field_of(changed, name) + value * (turn + 1))
         for name in m.hold:
             set_field(changed, name, self._held.setdefault(name, field_of(message, name)))
-        return changed
+        return self._damage(self._serialize(changed)) if m.damage else changed
+
+    def _damage(self, data: bytes) -> bytes:
+        at = self._chance.randrange(_HEAD, len(data))
+        if self.mangling.damage == 'cut':
+            return data[:at]
+        flipped = data[at] ^ 1 << self._chance.randrange(8)
+        return data[:at] + bytes([flipped]) + data[at + 1 :]
 
     def end(self) -> list[Any]:
         """Give what is still kept, in order."""

@@ -1,23 +1,39 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Plays faults on a graph of one strut that is in CONTROL, and says what became of the voltage."""
+"""Plays faults on a graph of one strut that is in one phase, and says what became of the voltage."""
 
 import json
 import signal
 import time
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from bags import complaints
 from faults import RATE, Fault, Mangle, Must, Restart, Second, Stall, Stranger
-from processes import left_in_shared_memory, shared_memory
+from processes import left_in_shared_memory, of_folder, shared_memory
+from satvib_common.phases import Phase, PhasePlan
 from satvib_common.struts.applied import Applied
-from strut import CONTROLLER, HERE, IDENTIFIER, LAW, LOOP, SOON, TIMEOUT, Strut
+from strut import CONTROLLER, HERE, IDENTIFIER, LOOP, PLANT, RECORDER, TIMEOUT, Strut
 
 GUARD = 20.0  # V, the voltage limit of the controller and of the rig
 CALM = 10 ** (1.0 / 20.0)  # 1 dB
-STEADY = 10 ** (2.0 / 20.0)  # 2 dB, of a window that may be short
 WINDOW = 60  # samples, three periods of the disturbance
 _PATIENCE = 5 * RATE  # samples for the payload to be calm again, before it is said that it is not
+_ALONE = (
+    40  # answers in a row, one for each sample, after which what a stranger has said is worked off
+)
+
+# each phase without end, the ones before it short; and the sample from which on faults may happen
+_ORDER = (Phase.STANDBY, Phase.CALIBRATE, Phase.IDENTIFY, Phase.CONTROL)
+_FIRST = (0, 60, 160, 560)
+READY = {Phase.STANDBY: 100, Phase.CALIBRATE: 160, Phase.IDENTIFY: 560, Phase.CONTROL: 1060}
+
+
+def plan_of(phase):
+    """The phases up to this one, which has no end."""
+    count = _ORDER.index(phase) + 1
+    return PhasePlan(_ORDER[:count], _FIRST[:count])
 
 
 class Outcome(NamedTuple):
@@ -27,7 +43,7 @@ class Outcome(NamedTuple):
         zero: from the fault to 0 V at the coil.
         back: from its end until the payload is as calm as before, for a window.
         peak: V, largest voltage at the coil from the fault on.
-        level: the payload while the fault was there, relative to before.
+        level: the payload while the fault was there, relative to before; 1 where no law acts.
         broken: what did not hold, in words.
     """
 
@@ -39,25 +55,29 @@ class Outcome(NamedTuple):
 
 
 class Scene:
-    """A strut in CONTROL, a fault node between its plant and its controller, and a stranger."""
+    """A strut in one phase, a fault node between its plant and its controller, and a stranger."""
 
-    def __init__(self, start, probe):
+    def __init__(self, start, probe, phase=Phase.CONTROL):
         from std_msgs.msg import String
 
-        self.strut = Strut(start, probe, SOON, between=True)
+        self.phase = phase
+        self.strut = Strut(start, probe, plan_of(phase), between=True)
         self.start, self.probe = start, probe
         self.orders = probe.publisher(String, '/faults')
         self.said = probe.collect(String, '/faults/said')
-        self.bag = start.folder / 'bag'
-        self.recorder = start('satvib_bringup', 'recorder', folder=str(self.bag))
+        self.bags, self.segments = [], set()
+        self.begin('recorder')
         self.stranger = start.script(HERE / 'fault_node.py', 'stranger')
         probe.wait(lambda: self.orders.get_subscription_count() == 2)
         self.upper, self.state, self.voltage = {}, {}, {}
         self.read = 0
-        self.until(1200)
+        self.until(READY[phase])
         now = range(self.strut.k - 5 * WINDOW, self.strut.k - WINDOW)
-        self.calm = self.level(now[0], len(now))
-        self.usual = float(np.std([self.voltage[k] for k in now]))
+        self.calm = self.usual = 0.0
+        if phase is Phase.CONTROL:
+            self.calm = self.level(now[0], len(now))
+        if phase in {Phase.IDENTIFY, Phase.CONTROL}:
+            self.usual = float(np.std([self.voltage[k] for k in now]))
 
     # ---- what is seen
 
@@ -71,8 +91,10 @@ class Scene:
             self.voltage[s.sequence - 1] = s.applied
 
     def until(self, k):
-        self.strut.until(k)
+        self.probe.wait(lambda: self.strut.k >= k or self.plant_has_ended())
         self.look()
+        if self.strut.k < k:
+            raise AssertionError(f'the plant has ended: {self.strut.plant.said.splitlines()[-1:]}')
 
     def level(self, first, count=WINDOW):
         """RMS without the mean, m/s^2."""
@@ -88,8 +110,10 @@ class Scene:
     def is_calm(self, k, before):
         """Whether the law acts in a window from k on, what it asks is applied, and the payload is as calm as before."""
         span = range(k, k + WINDOW)
-        acts = np.std([self.voltage[i] for i in span]) > 0.5 * self.usual
+        acts = np.std([self.voltage[i] for i in span]) >= 0.5 * self.usual
         applied = {self.state[i] for i in span} == {Applied.APPLIED}
+        if self.phase is not Phase.CONTROL:
+            return acts and applied
         return acts and applied and self.level(k) <= CALM * before
 
     def settle(self, k):
@@ -107,8 +131,16 @@ class Scene:
 
         count = len(self.said)
         self.orders.publish(String(data=json.dumps({'who': who, **order})))
-        self.probe.wait(lambda: len(self.said) >= count + 2)
+        # a stranger goes on without a plant, what stands between does not
+        self.probe.wait(
+            lambda: len(self.said) >= count + 2 or (who == 'between' and self.plant_has_ended())
+        )
+        if len(self.said) < count + 2:
+            raise AssertionError(f'the plant has ended: {self.strut.plant.said.splitlines()[-1:]}')
         return [json.loads(m.data) for m in self.said[count : count + 2]]
+
+    def plant_has_ended(self):
+        return self.strut.plant.popen.poll() is not None
 
     def act(self, fault, seed):
         """Do it; gives the samples at which it begins and ends."""
@@ -124,18 +156,24 @@ class Scene:
             case Stranger():
                 begun, done = self.order(
                     'stranger', topic=act.topic, kind=act.kind, count=act.count, seed=seed, rate=act.rate,
-                    readers=act.readers, mangling=act.mangling.as_order(),
+                    readers=act.readers, blank=act.blank, mangling=act.mangling.as_order(),
                 )  # fmt: skip
-                return self.sample_at(begun['time']), self.sample_at(done['time'])
+                self.until_alone()
+                return self.sample_at(begun['time']), max(
+                    self.sample_at(done['time']), strut.k - _ALONE
+                )
             case Stall():
                 process = getattr(strut, act.node)
                 process.send(signal.SIGSTOP)
                 begin = self.sample_at(time.time_ns())
-                strut.until(begin + round(TIMEOUT * RATE) + act.samples)
+                # the plant is the one that counts, so this one wait is by the clock of the test
+                over = time.monotonic() + TIMEOUT + act.samples / RATE
+                self.probe.wait(lambda: time.monotonic() > over)
                 process.send(signal.SIGCONT)
                 return begin, self.sample_at(time.time_ns())
             case Restart():
                 process = getattr(strut, act.node)
+                self.segments |= shared_memory(process.popen.pid)
                 process.send(signal.SIGKILL)
                 begin = self.sample_at(time.time_ns())
                 process.wait()
@@ -145,12 +183,19 @@ class Scene:
                 if fault.must is Must.ZERO:
                     self.probe.wait(lambda: strut.state() is Applied.APPLIED)
                 return begin, strut.k
-            case Second():
+            case Second(node='controller'):
                 answers = len(strut.voltages)
                 second = self.begin(act.node, beside=True)
                 self.probe.wait(lambda: strut.state() is Applied.LATCHED)
                 second.close()
                 return self.first_rival(answers), strut.k
+            case Second():
+                begin, second = strut.k, self.begin(act.node, beside=True)
+                self.probe.wait(lambda: second.popen.poll() is not None or self.is_latched())
+                second.close()
+                self.until_alone()
+                self.reset()
+                return begin, strut.k
 
     def first_rival(self, answers):
         """The first sample that was answered twice."""
@@ -161,14 +206,32 @@ class Scene:
             seen.add(v.sequence)
         raise AssertionError('nobody answered twice')
 
+    def until_alone(self):
+        """Wait until the plant gets one answer for each sample: what a stranger has said is then worked off."""
+        voltages, last = self.strut.voltages, self.strut.k + _PATIENCE
+
+        def is_alone():
+            newest = [v.sequence for v in voltages[-_ALONE:]]
+            follow = all(0 < b - a < 10 for a, b in pairwise(newest))
+            return follow and abs(self.strut.k - newest[-1]) < 10
+
+        self.probe.wait(lambda: is_alone() or self.strut.k > last or self.plant_has_ended())
+
     def begin(self, node, beside=False):
         """Start another process of a node."""
-        strut = self.strut
-        if node == 'controller':
-            made = self.start(*CONTROLLER, '/strut_1', **LAW)
-        else:
-            more = strut.aside('identified_model', strut='/strut_1')
-            made = self.start(*IDENTIFIER, '/strut_1', more=more, **LOOP)
+        strut, start = self.strut, self.start
+        match node:
+            case 'controller':
+                made = start(*CONTROLLER, '/strut_1', **strut.law)
+            case 'identifier':
+                more = strut.aside('identified_model', strut='/strut_1')
+                made = start(*IDENTIFIER, '/strut_1', more=more, **LOOP)
+            case 'recorder':
+                self.bags.append(start.folder / f'bag_{len(self.bags)}')
+                made = start(*RECORDER, folder=str(self.bags[-1]))
+            case _:
+                more = strut.aside('strut_1/acceleration', 'strut_1/voltage')
+                made = start(*PLANT, more=more, **strut.setting)
         if not beside:
             setattr(strut, node, made)
         return made
@@ -199,13 +262,14 @@ class Scene:
         span = range(begin, self.strut.k)
         self.reset()
         peak = max(abs(self.voltage[k]) for k in span)
-        level = self.level(begin, max(end - begin, WINDOW)) / before
+        in_control = self.phase is Phase.CONTROL
+        level = self.level(begin, max(end - begin, WINDOW)) / before if in_control else 1.0
         if fault.must is Must.STEADY:
             away = [k for k in span if self.state[k] is not Applied.APPLIED]
             if away:
                 what = self.state[away[0]].name
                 broken.append(f'{len(away)} voltages were not applied, first {what}')
-            if level > STEADY:
+            if level > 10 ** (fault.louder / 20.0):
                 broken.append(f'the payload was {20 * np.log10(level):.1f} dB louder')
         if back is None or back - end > fault.back:
             broken.append(f'calm after {back and back - end} samples, {fault.back} are allowed')
@@ -250,7 +314,7 @@ class Scene:
     def processes(self):
         """Those of the graph, as they are now."""
         strut = self.strut
-        return strut.plant, strut.identifier, strut.controller, self.recorder
+        return strut.plant, strut.identifier, strut.controller, strut.recorder
 
     def wait_for_calm(self, end, before):
         """The first sample from which on the payload is as calm as before, for a window."""
@@ -265,9 +329,7 @@ class Scene:
     # ---- the end
 
     def end(self, fault: Fault | None = None, seed: int = 0) -> Outcome:
-        """End the graph, by a fault or by SIGINT; says what is wrong then: exit codes, the bag, shared memory."""
-        from rosbags.highlevel import AnyReader
-
+        """End the graph, by a fault or by SIGINT; says what is wrong then with exit codes, bags, processes, memory."""
         processes = self.processes()
         begin = self.strut.k
         if fault is None:
@@ -286,16 +348,11 @@ class Scene:
         broken += [
             f'{p.name}: exit code {p.popen.returncode}' for p in processes[1:] if p.wait() != 0
         ]
-        with AnyReader([self.bag]) as reader:
-            counts = {c.topic: c.msgcount for c in reader.connections}
-            for connection, _, raw in reader.messages():
-                reader.deserialize(raw, connection.msgtype)
-        topics = (f'/strut_1/{topic}' for topic in ('acceleration', 'voltage', 'controller_state'))
-        broken += [f'the bag has {counts.get(t)} of {t}' for t in topics if counts.get(t, 0) < 1000]
-        segments = set().union(
-            *(shared_memory(p.popen.pid) for p in self.start.started if p.popen.poll() is None)
-        )
+        broken += [text for bag in self.bags for text in complaints(bag)]
+        alive = (p.popen.pid for p in self.start.started if p.popen.poll() is None)
+        segments = self.segments.union(*map(shared_memory, alive))
         self.start.close()
+        broken += [f'process {pid} is left' for pid in of_folder(self.start.folder)]
         if left := left_in_shared_memory(segments):
             broken.append(f'{len(left)} segments are left in shared memory')
         peak = max((abs(v) for k, v in self.voltage.items() if k >= begin), default=0.0)

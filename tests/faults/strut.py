@@ -15,6 +15,7 @@ HERE = Path(__file__).parent
 CONTROLLER = ('satvib_control', 'strut_controller')
 IDENTIFIER = ('satvib_ident', 'strut_identifier')
 PLANT = ('satvib_plant_sim', 'plant_sim')
+RECORDER = ('satvib_bringup', 'recorder')
 RATE = 200
 TIMEOUT = 0.6  # s; a machine that does other things may be away for half a second
 LOOP = {'sample_rate': float(RATE), 'lockstep': False}
@@ -32,6 +33,14 @@ def shake(plan):
     """A disturbance that begins with CONTROL; where that is far away, at 7.5 s."""
     begin = min(7.5, plan.first[-1] / RATE)
     return f'{{kind: sine, frequency: 10.0, amplitude: 1.0, start: {begin}}}'
+
+
+class OfOneRun(list):
+    """Samples in their order; those of a second plant, which begins with 0 again, are left out."""
+
+    def append(self, message):
+        if not self or message.sequence > self[-1].sequence:
+            super().append(message)
 
 
 class Strut:
@@ -68,12 +77,19 @@ class Strut:
         self.identifier = start(
             *IDENTIFIER, '/strut_1', more=self.aside('identified_model', strut='/strut_1'), **LOOP
         )
-        self.controller = start(*CONTROLLER, '/strut_1', **LAW)
-        self.samples = probe.collect(StrutAcceleration, f'{self.above}/strut_1/acceleration')
-        self.voltages = probe.collect(VcaVoltage, '/strut_1/voltage')
+        # the test hears what it needs there and no more, for on two cores it would take a third of one
+        self.law = LAW | {'state_period': 0.05} if between else LAW
+        self.controller = start(*CONTROLLER, '/strut_1', **self.law)
+        self.samples = probe.collect(
+            StrutAcceleration,
+            f'{self.above}/strut_1/acceleration',
+            into=OfOneRun() if between else None,
+        )
+        self.voltages = probe.collect(VcaVoltage, f'{self.above}/strut_1/voltage')
         self.states = probe.collect(ControllerState, '/strut_1/controller_state')
-        self.models = probe.collect(IirParameters, f'{self.above}/strut_1/identified_model')
-        self.blocks = probe.collect(VoltageApplied, '/strut_1/voltage_applied')
+        if not between:
+            self.models = probe.collect(IirParameters, '/strut_1/identified_model')
+            self.blocks = probe.collect(VoltageApplied, '/strut_1/voltage_applied')
         self.reports = probe.collect(DiagnosticArray, '/diagnostics', whole=False)
         schedule = probe.publisher(Schedule, '/schedule')
         self.wait_for_readers()
@@ -97,7 +113,7 @@ class Strut:
             lambda: (
                 node.count_subscribers('/schedule') == 3
                 and node.count_subscribers('/strut_1/acceleration') == (2 if self.above else 3)
-                and node.count_subscribers('/strut_1/voltage') == 3
+                and node.count_subscribers('/strut_1/voltage') == (2 if self.above else 3)
                 and node.count_publishers('/strut_1/voltage') == 1
                 and (not self.above or self._is_between())
             )

@@ -5,7 +5,8 @@
 import re
 from collections.abc import Mapping, Sequence
 
-from faults import CHAPTERS, OTHERS, RATE, Fault, Must
+from elsewhere import OTHERS
+from faults import CHAPTERS, IN_CONTROL, IN_EACH, RATE, Fault, Must
 from play import GUARD, Outcome
 from strut import TIMEOUT
 
@@ -28,13 +29,34 @@ def limit_of(fault: Fault) -> int | None:
     return fault.within + (round(TIMEOUT * RATE) if fault.silence else 0)
 
 
+def name_of(fault: Fault) -> str:
+    """Its name, and the phases where that is not CONTROL alone."""
+    if fault.phases == IN_CONTROL:
+        return fault.name
+    where = 'in each phase' if fault.phases == IN_EACH else f'in {fault.phases[0].name}'
+    return f'{fault.name}; {where}'
+
+
+def must_of(fault: Fault) -> str:
+    """What must become of the voltage, in words."""
+    louder = (
+        f' within {fault.louder:g} dB' if fault.must is Must.STEADY and fault.louder != 2.0 else ''
+    )
+    return fault.must.value + louder
+
+
+def back_of(fault: Fault) -> int | None:
+    """Samples within which it is as before; None: the graph has ended."""
+    return None if fault.must is Must.ENDS else fault.back
+
+
 def row(fault: Fault, outcomes: Sequence[Outcome]) -> str:
     """One line: the worst of the outcomes."""
     zero = max((o.zero for o in outcomes if o.zero is not None), default=None)
     back = max((o.back for o in outcomes if o.back is not None), default=None)
     peak = max((o.peak for o in outcomes), default=None)
     cells = [
-        fault.name, fault.must.value, _seconds(limit_of(fault)), _seconds(zero), _seconds(fault.back),
+        name_of(fault), must_of(fault), _seconds(limit_of(fault)), _seconds(zero), _seconds(back_of(fault)),
         _seconds(back), '' if peak is None else f'{peak:.1f}',
     ]  # fmt: skip
     return f'| {" | ".join(cells)} |'
@@ -60,7 +82,7 @@ def named(page: str) -> list[tuple[str, str, str, str]]:
 def listed() -> list[tuple[str, str, str, str]]:
     """The same of the list of faults."""
     return [
-        (f.name, f.must.value, _seconds(limit_of(f)), _seconds(f.back))
+        (name_of(f), must_of(f), _seconds(limit_of(f)), _seconds(back_of(f)))
         for faults in CHAPTERS.values()
         for f in faults
     ]

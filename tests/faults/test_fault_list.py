@@ -6,7 +6,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from faults import CHAPTERS, OTHERS
+from elsewhere import OTHERS
+from faults import CHAPTERS, QUICK
 from mangling import Mangler, Mangling
 from table import listed, named, others
 
@@ -30,6 +31,7 @@ def test_every_test_that_the_list_names_is_there():
 def test_every_fault_has_a_name_of_its_own():
     names = [fault.name for faults in CHAPTERS.values() for fault in faults]
     assert len(set(names)) == len(names)
+    assert set(QUICK) <= set(names)
 
 
 def messages(count):
@@ -67,6 +69,23 @@ def test_a_delay_holds_messages_back():
     assert [[m.sequence for m in mangler.take(message)] for message in messages(4)] == [
         [], [], [0], [1],
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize('damage', ['cut', 'flip'])
+def test_damage(damage):
+    """Truth: the bytes: a true beginning with its four bytes of encapsulation, or one bit that is another."""
+    mangler = Mangler(Mangling(damage=damage), seed=1, serialize=lambda m: bytes(4) + m.text)
+    text = b'a message'
+    for _ in range(100):
+        (found,) = mangler.take(SimpleNamespace(text=text))
+        if damage == 'cut':
+            assert 4 <= len(found) < 4 + len(text)
+            assert (bytes(4) + text).startswith(found)
+        else:
+            bits = int.from_bytes(found) ^ int.from_bytes(bytes(4) + text)
+            assert len(found) == 4 + len(text)
+            assert found[:4] == bytes(4)
+            assert bits.bit_count() == 1
 
 
 def test_values_are_changed_in_a_copy():

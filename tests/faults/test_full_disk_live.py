@@ -84,6 +84,54 @@ def test_a_recording_ends_whole_before_the_disk_is_full(tmp_path):
     assert facts == 'True True'
 
 
+CLOSE = """
+import sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+from rosbags.highlevel import AnyReader
+from satvib_bringup.recorder.bag_sink import BagSink
+from satvib_bringup.recorder.salvage import is_finished, salvage
+from satvib_common.errors import RunError
+from test_bag_sink import channel, serialized
+
+sink, made = BagSink(Path('bag'), {}), channel()
+for k in range(3000):
+    sink.put(made, k * 10_000_000, serialized(k))
+file = next(Path('bag').glob('*.mcap'))
+while sink.written < 3000 or file.stat().st_size < 3000 * 20:
+    pass
+for size in (65536, 4096, 512, 1):
+    try:
+        with open(f'others_{size}', 'wb', buffering=0) as others:
+            while True:
+                others.write(bytes(size))
+    except OSError:
+        pass
+try:
+    sink.close()
+    print('nothing was said')
+except RunError as error:
+    print(error)
+for others in Path().glob('others_*'):
+    others.unlink()
+saved = is_finished(Path('bag')) or salvage(Path('bag'), {})
+with AnyReader([Path('bag')]) as reader:
+    found = [reader.deserialize(raw, c.msgtype).sequence for c, _, raw in reader.messages()]
+print(found == list(range(len(found))), len(found) > 1000)
+"""
+
+
+def test_a_disk_that_is_full_when_the_bag_is_closed_loses_little(tmp_path):
+    """Not one byte is left for the index. That is said, and the messages are read when there is room again."""
+    tests = ROOT / 'src' / 'satvib_bringup' / 'test' / 'recorder'
+    done = on_a_small_disk(tmp_path, '24m', CLOSE, tests)
+    assert done.returncode == 0, done.stderr
+    said, facts = done.stdout.splitlines()
+    assert said.startswith('bag: ')
+    assert 'No space left' in said or 'the disk is full' in said
+    assert facts == 'True True'
+
+
 COMMAND = """
 import sys
 from pathlib import Path
@@ -114,6 +162,40 @@ def test_a_full_disk_is_one_line(domain, tmp_path, words):  # noqa: ARG001
     assert 'defect' not in done.stderr
     assert done.stderr.count('\n') == 1, done.stderr
     assert any(text in done.stderr for text in ('No space left', 'make room', 'room')), done.stderr
+
+
+AT_THE_END = """
+import sys, threading
+from pathlib import Path
+from satvib_bringup.cli.main import main
+
+def fill():
+    # the bag, or the record of a simulated run, is whole; now the report is written
+    while not (any(Path('run').rglob('metadata.yaml')) or any(Path('run').rglob('recording.npz'))):
+        pause.wait(0.01)
+    others = Path('others').open('wb', buffering=0)
+    try:
+        while True:
+            others.write(bytes(65536))
+    except OSError:
+        pass
+
+pause = threading.Event()
+threading.Thread(target=fill, daemon=True).start()
+sys.argv[0] = 'satvib'
+main()
+"""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('word', ['run', 'simulate'])
+def test_a_disk_that_is_full_when_the_report_is_written_is_one_line(domain, tmp_path, word):  # noqa: ARG001
+    """The run was good, its report is not there: exit code 1 or 2, one line, and what was recorded can be read."""
+    done = on_a_small_disk(tmp_path, '60m', AT_THE_END, word, 'quick_3dof', '--folder', 'run')
+    assert done.returncode in {1, 2}, done.stderr
+    assert 'defect' not in done.stderr
+    assert done.stderr.count('\n') == 1, done.stderr
+    assert 'No space left' in done.stderr
 
 
 RUN = """

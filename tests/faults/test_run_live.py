@@ -13,6 +13,12 @@ from pathlib import Path
 import pytest
 from processes import left_in_shared_memory, shared_memory
 
+NODES = [
+    ('plant_sim', 'plant_sim'),
+    ('strut_controller', 'strut_1/strut_controller'),
+    ('strut_identifier', 'strut_1/strut_identifier'),
+    ('recorder', 'recorder'),
+]
 pytestmark = pytest.mark.usefixtures('domain')
 
 
@@ -33,8 +39,8 @@ def children(folder: Path) -> dict[str, int]:
 class Killer:
     """A progress callback that kills one node once, when samples flow; it knows how long the start took."""
 
-    def __init__(self, folder: Path, executable: str) -> None:
-        self.folder, self.executable = folder, executable
+    def __init__(self, folder: Path, executable: str, sequence: int = 400) -> None:
+        self.folder, self.executable, self.sequence = folder, executable, sequence
         self.made = time.monotonic()
         self.start: float | None = None
         self.at: float | None = None
@@ -43,7 +49,7 @@ class Killer:
     def __call__(self, progress) -> None:
         if self.start is None:
             self.start = time.monotonic() - self.made
-        if self.at is None and progress.sequence >= 400:
+        if self.at is None and progress.sequence >= self.sequence:
             victim = children(self.folder)[self.executable]
             self.segments = shared_memory(victim)
             os.kill(victim, signal.SIGKILL)
@@ -59,26 +65,33 @@ def long_run():
     return scenario.replace(duration=3000.0)
 
 
-@pytest.mark.parametrize(
-    ('executable', 'name'),
-    [
-        ('plant_sim', 'plant_sim'),
-        ('strut_controller', 'strut_1/strut_controller'),
-        ('strut_identifier', 'strut_1/strut_identifier'),
-        ('recorder', 'recorder'),
-    ],
-)
+@pytest.mark.parametrize(('executable', 'name'), NODES)
 def test_killing_a_node_ends_the_run(executable, name, long_run, tmp_path):
     """Truth: the promise of the README: soon, by name, with a bag that reads, and no process is left.
 
     Soon is 3 s; where the machine is so busy that the start took more than 4 s (3.6 on two cores), 3/4 of that.
     """
+    check_killing(executable, name, long_run, tmp_path / 'run')
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('phase', ['CALIBRATE', 'IDENTIFY', 'STANDBY', 'CONTROL'])
+@pytest.mark.parametrize(('executable', 'name'), NODES)
+def test_killing_a_node_in_any_phase_ends_the_run(executable, name, phase, long_run, tmp_path):
+    """Truth: as above, in real time, where a phase lasts long enough to be met."""
+    from satvib_common.phases import Phase
+
+    plan = long_run.plan(200.0)
+    middle = plan.first_of(Phase[phase]) + 100
+    check_killing(executable, name, long_run, tmp_path / 'run', middle, realtime=True)
+
+
+def check_killing(executable, name, long_run, folder, sequence=400, realtime=False):
     from satvib_bringup.live.run import run_experiment
     from satvib_experiment.recording.bag_reader import read_recording
 
-    folder = tmp_path / 'run'
-    killer = Killer(folder, executable)
-    outcome = run_experiment(long_run, folder, progress=killer)
+    killer = Killer(folder, executable, sequence)
+    outcome = run_experiment(long_run, folder, realtime=realtime, progress=killer)
     elapsed = time.monotonic() - killer.at
     assert not outcome.success
     assert outcome.exit_code == 1
@@ -144,6 +157,40 @@ def test_killing_the_runner_leaves_no_process(tmp_path):
         for handle in handles:
             os.close(handle)
     assert len(read_recording(folder / 'bag').sequence) > 50
+
+
+STOPPED = """
+import sys
+from pathlib import Path
+from satvib_experiment.scenario.scenario import load_scenario
+from satvib_bringup.live.run import run_experiment
+scenario = load_scenario('paper_1dof_10hz', ['duration=9', 'analysis={}'])
+outcome = run_experiment(
+    scenario, Path(sys.argv[1]), realtime=True, progress=lambda p: print(p.sequence, flush=True)
+)
+print(outcome.success, outcome.message, flush=True)
+"""
+
+
+def test_a_runner_that_is_stopped_for_a_while_harms_nothing(tmp_path):
+    """SIGSTOP until the plant has ended: the graph needs no runner until then. Truth: the recording is complete."""
+    folder = tmp_path / 'run'
+    with subprocess.Popen(
+        [sys.executable, '-c', STOPPED, str(folder)], stdout=subprocess.PIPE, text=True
+    ) as runner:
+        assert runner.stdout is not None
+        while int(runner.stdout.readline()) < 300:
+            pass
+        plant = os.pidfd_open(children(folder)['plant_sim'])
+        runner.send_signal(signal.SIGSTOP)
+        ready, _, _ = select.select([plant], [], [], 60.0)
+        os.close(plant)
+        runner.send_signal(signal.SIGCONT)
+        assert ready, 'the plant did not end'
+        last = runner.stdout.readlines()[-1]
+    assert last.startswith('True '), last
+    assert runner.returncode == 0
+    assert children(folder) == {}
 
 
 def test_two_graphs_do_not_share_a_domain(tmp_path, start, probe):

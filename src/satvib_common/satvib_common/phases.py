@@ -104,3 +104,12 @@ class PhasePlan:
         if sequence in self.first and self.at(sequence) in (Phase.ADAPT, Phase.CONTROL):
             return True
         return period > 0 and (sequence - start) % period == 0
+
+    def has_hand_over(self, first: int, last: int, period: int) -> bool:
+        """Whether any sample from `first` to `last` is one, however many these are."""
+        start = self._identification
+        if start is None or (first := max(first, start + 1)) > last:
+            return False
+        if period > 0 and start + -(-(first - start) // period) * period <= last:
+            return True
+        return any(first <= k <= last and self.is_hand_over(k, 0) for k in self.first)

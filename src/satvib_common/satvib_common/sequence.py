@@ -5,7 +5,12 @@
 A node classifies each sample once, when it arrives, and hands the result on with the sample.
 """
 
+from collections.abc import Callable
 from enum import Enum
+
+# samples that a source may be ahead of where the first one seen puts it: those that waited for the reader then
+_BACKLOG = 1100
+_DRIFT = 1.01  # of two clocks, far above that of any quartz
 
 
 class Arrival(Enum):
@@ -30,6 +35,9 @@ class SequenceTracker:
     costs one sample. In lockstep that one sample would never be answered, and a run begins with sample 0: there
     `zero_restarts` takes sample 0 at once.
 
+    A source that follows a clock (`follow`) cannot be further than the clock: with `confirm` a sample that it cannot
+    have reached is a stray, however many follow it.
+
     Args:
         repeat_window: samples.
         confirm: wait for a second sample before a restart or a long gap.
@@ -47,14 +55,28 @@ class SequenceTracker:
         self.repeat_window = repeat_window
         self._confirm, self.zero_restarts = confirm, zero_restarts
         self._candidate: int | None = None
+        self._now: Callable[[], float] | None = None
+        self._begun: tuple[int, float] | None = None  # a sample, and when it came by that clock
         self.strays = 0
         self.last: int | None = None
         self.lost = 0
         self.repeats = 0
         self.restarts = 0
 
+    def follow(self, now: Callable[[], float] | None) -> None:
+        """Hold the source to a clock: `now` gives its time, in sample periods; None: it follows none."""
+        self._now, self._begun = now, None
+
     def classify(self, sequence: int) -> Arrival:
         """Classify a sample and count it."""
+        arrival = self._classify(sequence)
+        if self._now is not None:
+            begins = self._begun is None and arrival is Arrival.NEXT
+            if begins or arrival in {Arrival.FIRST, Arrival.RESTART}:
+                self._begun = sequence, self._now()
+        return arrival
+
+    def _classify(self, sequence: int) -> Arrival:
         last, self.last = self.last, sequence
         if last is None:
             return Arrival.FIRST
@@ -81,11 +103,20 @@ class SequenceTracker:
         if near or (sequence == 0 and self.zero_restarts):
             self._candidate = None
             return False
+        if sequence > last and self._is_out_of_reach(sequence):
+            return True
         candidate, self._candidate = self._candidate, sequence
         follows = candidate is not None and 0 < sequence - candidate <= self.repeat_window
         if follows:
             self._candidate = None
         return not follows
+
+    def _is_out_of_reach(self, sequence: int) -> bool:
+        """Whether a source that follows the clock cannot be there yet."""
+        if self._now is None or self._begun is None:
+            return False
+        first, then = self._begun
+        return sequence - first > _DRIFT * (self._now() - then) + _BACKLOG
 
 
 class Rivals:

@@ -118,6 +118,51 @@ def test_in_lockstep_sample_0_begins_a_new_run_at_once():
     assert found == ['first', 'stray', 'next', 'restart', 'next']
 
 
+def test_a_source_that_follows_the_clock_is_not_ahead_of_it():
+    """Truth: by hand. A stranger counts on from 10^9, five samples between two of the source: it is never followed.
+
+    After 100 s of silence, which are 20000 samples, the source itself may be there. Without a clock, or in lockstep,
+    two samples that follow each other are enough.
+    """
+    time = 0.0
+    tracker = SequenceTracker(confirm=True)
+    tracker.follow(lambda: 200.0 * time)
+    found, far = [], 10**9
+    for k in range(40):
+        time = k / 200.0
+        found.append(tracker.classify(k).value)
+        for _ in range(5):
+            far += 1
+            found.append(tracker.classify(far).value)
+    assert found == ['first', *['stray'] * 5, *(['next'] + ['stray'] * 5) * 39]
+    time += 100.0
+    assert [tracker.classify(k).value for k in (20030, 20031, 20032)] == ['stray', 'gap', 'next']
+    tracker.follow(None)
+    assert [tracker.classify(far + k).value for k in range(3)] == ['stray', 'gap', 'next']
+
+
+def test_a_source_that_is_heard_late_may_catch_up():
+    """Truth: by hand. A reader joins when 1000 samples wait; they come at once, and a gap among them is no stray."""
+    tracker = SequenceTracker(confirm=True)
+    tracker.follow(lambda: 0.0)
+    found = [tracker.classify(k).value for k in (5000, 5001, 5900, 5901, 6000)]
+    assert found == ['first', 'next', 'stray', 'gap', 'gap']
+
+
+@given(
+    st.lists(st.integers(1, 40), min_size=4, max_size=4), st.integers(0, 150), st.integers(-5, 60),
+    st.integers(0, 12),
+)  # fmt: skip
+def test_whether_samples_have_a_hand_over(lengths, first, count, period):
+    """Truth: `is_hand_over` of each of them."""
+    begins = np.cumsum([0, *lengths])
+    phases = (Phase.STANDBY, Phase.IDENTIFY, Phase.ADAPT, Phase.IDENTIFY, Phase.CONTROL)
+    plan = PhasePlan(phases, tuple(map(int, begins)))
+    there = any(plan.is_hand_over(k, period) for k in range(first, first + count + 1))
+    assert plan.has_hand_over(first, first + count, period) == there
+    assert plan.has_hand_over(first, 2**64, 1)
+
+
 def test_sequence_tracker():
     tracker = SequenceTracker()
     seen = [tracker.classify(k) for k in (5, 6, 9, 9, 8, 10, 0, 1)]

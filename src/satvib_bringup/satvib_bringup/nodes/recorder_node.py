@@ -9,11 +9,13 @@ followed, and what was lost is reported.
 
 import json
 import time
+from collections.abc import Callable
 from datetime import datetime
 from functools import partial
 from importlib import import_module
 from pathlib import Path
 
+from satvib_common.ros.delivery.wire import UnreadableError, checker_of
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
@@ -114,9 +116,16 @@ class RecorderNode(SatvibNode[RecorderParameters]):
         topic = Topic(self.resolve_topic_name(name), kind, is_sampled)
         self.topics[topic.name] = topic
         message_class = getattr(import_module(f'{package}.msg'), short)
-        take = self._take_sampled if is_sampled else self._take_other
-        qos = wanted(whole, self.parameters.depth)
-        self.listen_to(message_class, name, partial(take, topic), qos, raw=True)
+        take = partial(self._take, topic, checker_of(message_class))
+        self.listen_to(message_class, name, take, wanted(whole, self.parameters.depth), raw=True)
+
+    def _take(self, topic: Topic, check: Callable[[bytes], None], message: bytes) -> None:
+        try:
+            check(message)
+        except UnreadableError as error:  # in the bag it would stop everybody who reads that
+            self.get_logger().error(f'refused: {topic.name}: {error}', throttle_duration_sec=1.0)
+            return
+        (self._take_sampled if topic.is_sampled else self._take_other)(topic, message)
 
     def _take_sampled(self, topic: Topic, message: bytes) -> None:
         stamp, sequence = stamp_and_sequence(message)

@@ -3,6 +3,7 @@
 """Bags as they are written, and what is left of one whose writer was killed. No ROS: definitions are given as text."""
 
 import struct
+from io import BytesIO
 
 import pytest
 from rosbags.highlevel import AnyReader
@@ -15,7 +16,7 @@ from rosbags.interfaces import (
     QosTime,
 )
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-from satvib_bringup.recorder.bag_sink import BagSink, Channel
+from satvib_bringup.recorder.bag_sink import BagSink, Channel, ChunkIndex
 from satvib_bringup.recorder.check import Expected, complaint
 from satvib_bringup.recorder.message_text import type_hash
 from satvib_bringup.recorder.salvage import salvage
@@ -84,6 +85,17 @@ def test_everything_that_was_put_is_in_the_bag(tmp_path):
     assert [(t, m.sequence, m.value) for t, m in found] == [
         (k * 10_000_000, k, 0.5 * k) for k in range(5000)
     ]
+
+
+def test_the_index_of_chunks_is_that_of_a_list():
+    """Truth: a list of the same entries."""
+    index, entries = ChunkIndex(), [b'first', b'', b'another one']
+    for text in entries:
+        entry = BytesIO()
+        entry.write(text)
+        index.append(entry)
+    assert len(index) == 3
+    assert [(entry.getvalue(), entry.tell()) for entry in index] == [(t, len(t)) for t in entries]
 
 
 def test_a_killed_recorder_leaves_a_readable_bag(tmp_path):

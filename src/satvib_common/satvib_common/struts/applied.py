@@ -20,6 +20,14 @@ class Applied(IntEnum):
     LATCHED = 6
 
 
+def applied_of(number: int) -> Applied:
+    """Give the state of a number in a message; a number that is none says nothing."""
+    return _STATES.get(number, Applied.UNKNOWN)
+
+
+_STATES = {int(state): state for state in Applied}
+
+
 class Pace(IntEnum):
     """How samples follow each other; the numbers are those of satvib_msgs/StrutAcceleration."""
 

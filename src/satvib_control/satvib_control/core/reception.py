@@ -28,6 +28,8 @@ LISTEN_TIME = 0.25  # s
 PATIENCE = 0.4  # s, for the biases of an identifier
 JOINED = reason('0 V: started in the middle of a run, listening to the sensors')
 _USUAL = {int(Applied.APPLIED)}
+_SAYING = {int(state) for state in Applied} - {int(Applied.UNKNOWN)}
+_LARGEST = 1e4  # V
 # by state
 _REASONS = np.array([reason(TEXTS[state]) for state in Applied])
 
@@ -98,7 +100,8 @@ def received_of(samples: Sequence[Any], shape: tuple[int, ...]) -> Received | No
         shape: of the controller.
     """
     states = {sample.applied_state for sample in samples}
-    if Applied.UNKNOWN in states:
+    # a state that there is not, or a voltage that no amplifier gives, says nothing
+    if not states <= _SAYING or not all(abs(s.applied) <= _LARGEST for s in samples):
         return None
     voltage: Array = np.array([sample.applied for sample in samples]).reshape(shape)
     if states == _USUAL:

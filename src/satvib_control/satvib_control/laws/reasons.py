@@ -5,6 +5,7 @@
 0 is the empty text: there is nothing to say.
 """
 
+import re
 from collections.abc import Iterable
 
 import numpy as np
@@ -12,6 +13,7 @@ from satvib_common.arrays import Array, Integers, Mask
 
 _TEXTS: list[str] = ['']
 _CODES: dict[str, int] = {'': 0}
+_FIGURE = re.compile(r'\d[\d.e+-]*')
 
 
 def reason(text: str) -> int:
@@ -37,6 +39,29 @@ def reasons(texts: str | Iterable[str], shape: tuple[int, ...]) -> Integers:
     array = np.asarray(texts, dtype=object)
     flat = [reason(str(text)) for text in array.ravel()]
     return np.broadcast_to(np.array(flat, dtype=np.int64).reshape(array.shape), shape).copy()
+
+
+class ForeignTexts:
+    """Texts of messages, of which only so many get a code in a process: another node writes a new one every second.
+
+    Args:
+        most: as they are; half as many get a code without their figures, and all others have one in common.
+    """
+
+    def __init__(self, most: int = 1000) -> None:
+        self._most = most
+        self._known: set[str] = set()
+
+    def take(self, text: str) -> str:
+        """Give the text as it is shown."""
+        for candidate, most in (
+            (text, self._most),
+            (_FIGURE.sub('...', text), self._most + self._most // 2),
+        ):
+            if candidate in self._known or len(self._known) < most:
+                self._known.add(candidate)
+                return candidate
+        return 'one of many reasons; see the message identified_model'
 
 
 def last_of(why: Integers, *cases: tuple[Mask, int]) -> Integers:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from satvib_common.phases import Phase
-from satvib_common.struts.applied import TEXTS, Applied
+from satvib_common.struts.applied import TEXTS, Applied, applied_of
 
 from satvib_control.core.output import ControllerOutput
 
@@ -45,12 +45,12 @@ class ChangeLog:
                 self._log.error(f'sample {k}: {"; ".join(sorted(reasons))}')
             else:
                 self._log.info(f'sample {k}: the faults are released')
-        state = max(sample.applied_state for sample in samples)
+        state = max(applied_of(sample.applied_state) for sample in samples)
         lost = state if state >= Applied.SILENT else 0  # silence may become a latch
         if lost != self._lost:
             self._lost = lost
             if lost:
-                what = self._latched() if state == Applied.LATCHED else TEXTS[Applied(state)]
+                what = self._latched() if state == Applied.LATCHED else TEXTS[state]
                 self._log.warning(f'sample {k}: {what}')
             else:
                 self._log.info(f'sample {k}: the voltage reaches its coil again')

@@ -48,7 +48,7 @@ class ModelQueue(Generic[M]):
             self._model_restarts += 1
         if self._models and self._joined and plan is not None:
             last = self._models[-1][0]
-            if not any(plan.is_hand_over(k, self.period) for k in range(last + 1, sequence + 1)):
+            if not plan.has_hand_over(last + 1, sequence, self.period):
                 self._models.pop()
         self._models.append((sequence, max(next_sequence, sequence + 1), model))
 

@@ -22,6 +22,7 @@ from satvib_ident.models.iir_model import IirModel
 from std_msgs.msg import UInt64
 
 from satvib_control.core.controller import ControllerCore
+from satvib_control.laws.reasons import ForeignTexts
 from satvib_control.nodes.awaited import awaited_input
 from satvib_control.nodes.controller_node import ControllerNode
 from satvib_control.nodes.model_queue import ModelQueue
@@ -46,7 +47,9 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         self.waiting: deque[tuple[StrutAcceleration, Arrival]] = deque()
         self.models: ModelQueue[IirParameters] = ModelQueue(p.model_period, wait=self.in_lockstep)
         self.tracker = SequenceTracker(confirm=True, zero_restarts=self.in_lockstep)
+        self.tracker.follow(None if self.in_lockstep else self._periods)
         self.supervised = p.supervised and self.in_lockstep
+        self.reasons = ForeignTexts()
         self.judged = -1  # the last sample that the supervisor has judged
 
     def activate(self) -> None:
@@ -64,9 +67,14 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         """In lockstep wait for the model and the supervisor, too."""
         super().follow_pace()
         self.models.wait = self.tracker.zero_restarts = self.in_lockstep
+        self.tracker.follow(None if self.in_lockstep else self._periods)
         before, self.supervised = self.supervised, self.parameters.supervised and self.in_lockstep
         if self.supervised and not before:
             self._hear_supervisor()
+
+    def _periods(self) -> float:
+        """The steady clock, in sample periods."""
+        return time.monotonic() * self.parameters.sample_rate
 
     def _hear_supervisor(self) -> None:
         if self.supervised:
@@ -169,7 +177,8 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
             np.frombuffer(m.a), np.frombuffer(m.b), int(m.delay), float(m.sample_period)
         )
         covariance = np.frombuffer(m.covariance).reshape(count, count)
-        self.core.set_model(model, np.asarray(m.converged), m.reason, covariance)
+        why = self.reasons.take(m.reason)
+        self.core.set_model(model, np.asarray(m.converged), why, covariance)
         self.changes.see_model(k, plan.at(k), m)
 
 

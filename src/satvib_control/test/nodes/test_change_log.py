@@ -48,11 +48,11 @@ def test_a_model_is_one_line_for_each_phase_and_each_change(changes):
 
 
 def test_phases_faults_and_lost_voltages_are_lines(changes, settings):
-    """The outputs are those of a real core: CONTROL from sample 2 on, stopped at 3, reset before 5."""
+    """The outputs are those of a real core: CONTROL from sample 2 on, stopped at 3, reset before 5. No state is 255."""
     log, lines = changes
     core = ControllerCore(settings(law='off'))
     plan = PhasePlan((Phase.STANDBY, Phase.CONTROL), (0, 2))
-    states = [Applied.APPLIED] * 6 + [Applied.SILENT] * 2 + [Applied.APPLIED]
+    states = [255] + [Applied.APPLIED] * 5 + [Applied.SILENT] * 2 + [Applied.APPLIED]
     for k, state in enumerate(states):
         if k == 3:
             core.stop()

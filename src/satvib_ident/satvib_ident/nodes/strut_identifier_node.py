@@ -66,7 +66,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         self.phases = frozenset(Phase[name] for name in p.estimate_in)
         self.core.tracker = SequenceTracker(confirm=True, zero_restarts=self.in_lockstep)
         self.pairing: VoltagePairing[StrutAcceleration] = VoltagePairing(
-            p.delay, self.in_lockstep, self.core.tracker
+            p.delay, self.in_lockstep, self.core.tracker, p.sample_rate
         )
         self.message = IirParameters(sample_period=p.dt, delay=p.delay)
         self.publisher = self.publish_on(IirParameters, 'identified_model')
@@ -128,7 +128,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
         return not (end := self.times.plan.end) or last < end - 1
 
     def _on_voltage(self, message: VcaVoltage) -> None:
-        self.pairing.add_voltage(message.sequence, message.voltage)
+        self.pairing.add_voltage(message.sequence, possible(message.voltage, ABSURD))
         self._work()
 
     def _on_acceleration(self, message: StrutAcceleration) -> None:
@@ -143,7 +143,7 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
 
     def _take_applied(self, message: StrutAcceleration) -> None:
         if self.parameters.delay > 0:
-            self.pairing.add_applied(message.sequence - 1, message.applied)
+            self.pairing.add_applied(message.sequence - 1, possible(message.applied, ABSURD))
             self.hearing.need_no_voltages()
         elif message.applied_state >= CHANGED:
             self.pairing.add_applied(message.sequence, math.nan)

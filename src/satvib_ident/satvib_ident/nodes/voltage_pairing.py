@@ -9,6 +9,7 @@ newer voltage has arrived, an older one is lost: it is NaN, not known. Before sa
 """
 
 import math
+import time
 from collections import deque
 from collections.abc import Iterator
 from typing import Generic, TypeVar
@@ -25,13 +26,17 @@ class VoltagePairing(Generic[T]):
         delay: samples between a voltage and the first acceleration that sees it.
         wait: wait for a voltage as long as it may still come.
         samples: classifies the samples; by default one of its own.
+        rate: Hz, of the samples, which follow the clock as long as nothing waits; 0: they follow none.
     """
 
-    def __init__(self, delay: int, wait: bool, samples: SequenceTracker | None = None) -> None:
-        self.delay, self.wait = delay, wait
+    def __init__(
+        self, delay: int, wait: bool, samples: SequenceTracker | None = None, rate: float = 0.0
+    ) -> None:
+        self.delay, self._rate = delay, rate
         self.unknown = 0
         self.samples = samples or SequenceTracker()
-        self.voltages = SequenceTracker(confirm=True, zero_restarts=wait)
+        self.voltages = SequenceTracker(confirm=True)
+        self.set_wait(wait)
         self._waiting: deque[tuple[int, T, Arrival]] = deque()
         self._known: dict[int, float] = {}
         self._applied = -1  # the last sample of which it is known what the coil got
@@ -39,6 +44,8 @@ class VoltagePairing(Generic[T]):
     def set_wait(self, wait: bool) -> None:
         """Wait from now on, or no more."""
         self.wait = self.voltages.zero_restarts = self.samples.zero_restarts = wait
+        if self._rate:
+            self.samples.follow(None if wait else lambda: time.monotonic() * self._rate)
 
     def __len__(self) -> int:
         """Number of samples that wait."""

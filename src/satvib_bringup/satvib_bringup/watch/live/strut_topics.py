@@ -6,7 +6,9 @@ Best effort: no writer ever waits for the page. Of samples and voltages every me
 the newest.
 """
 
-from collections.abc import Callable
+import contextlib
+import struct
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from rclpy.node import Node
@@ -38,6 +40,19 @@ def latest(depth: int) -> QoSProfile:
         reliability=ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.VOLATILE,
     )
+
+
+def _read_all(rows: Iterable[bytes], read: Callable[[bytes], Any]) -> list[Any]:
+    """Read messages; those that are cut off, as a stranger's may be, are left out."""
+    found = []
+    for message in rows:
+        with contextlib.suppress(struct.error):
+            found.append(read(message))
+    return found
+
+
+def _voltage(message: bytes) -> tuple[Any, ...]:
+    return sequence_and_figures(message, 1)
 
 
 class StrutTopics:
@@ -75,19 +90,22 @@ class StrutTopics:
         """Hand over what has come since the last call."""
         strut = self._strut
         if rows := self._many.get('acceleration'):
-            samples = [acceleration_figures(message) for message in rows]
+            samples = _read_all(rows, acceleration_figures)
             strut.take_accelerations([sample[:4] for sample in samples])
             # a sample says what the coil had before it
             applied = [(k - 1, volts) for k, *_, volts, state in samples if state and k > 0]
             strut.take_voltages(Column.APPLIED, applied)
-            strut.applied = samples[-1][-1]
+            strut.applied = samples[-1][-1] if samples else strut.applied
             rows.clear()
         if rows := self._many.get('voltage'):
-            strut.take_voltages(Column.ASKED, [sequence_and_figures(m, 1) for m in rows])
+            strut.take_voltages(Column.ASKED, _read_all(rows, _voltage))
             rows.clear()
         newest, self._newest = self._newest, {}
         for topic, (kind, message) in newest.items():
-            read = deserialize_message(message, kind)
+            try:
+                read = deserialize_message(message, kind)
+            except (ValueError, RuntimeError):  # of a stranger
+                continue
             if topic == 'progress':
                 strut.take_progress(read.sequence, read.phase, read.upper_rms)
                 continue

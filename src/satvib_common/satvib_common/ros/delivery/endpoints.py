@@ -14,7 +14,7 @@ from rclpy.subscription import Subscription
 
 from satvib_common.errors import RunError
 from satvib_common.ros.delivery.exchange import Exchange, Reader
-from satvib_common.ros.delivery.wire import wire_of
+from satvib_common.ros.delivery.wire import UnreadableError, Wire, wire_of
 from satvib_common.ros.qos import overridable
 
 # s, with a reader that takes nothing; one that has ended without a word is forgotten after 20 s
@@ -152,8 +152,7 @@ class Input:
         self._reader: Reader | None = None
         taken, wire = call, None if raw else wire_of(kind)
         if wire is not None:
-            raw, unpack = True, wire.unpack
-            taken = lambda data: call(unpack(data))  # noqa: E731
+            raw, taken = True, self._reading(wire, call)
 
         def subscribe(take: Callable[[Any], None]) -> Subscription:
             options = _options(node, self.topic_name)
@@ -177,6 +176,21 @@ class Input:
         else:  # the past of the topic comes to new subscriptions only
             self._reader = None
             self.subscription = subscribe(taken)
+
+    def _reading(self, wire: Wire, call: Callable[[Any], None]) -> Callable[[bytes], None]:
+        """Give what reads the bytes of a message and hands it on; what cannot be read changes nothing."""
+        unpack, topic, logger = wire.unpack, self.topic_name, self._node.get_logger()
+
+        def taken(data: bytes) -> None:
+            try:
+                message = unpack(data)
+            except UnreadableError as error:
+                # a flood is one line for each second
+                logger.error(f'refused: {topic}: {error}', throttle_duration_sec=1.0)
+                return
+            call(message)
+
+        return taken
 
     def get_publisher_count(self) -> int:
         """How many writers are connected."""

@@ -18,7 +18,7 @@ from operator import attrgetter
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from rclpy.serialization import deserialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 
 _ENCAPSULATION = b'\x00\x01\x00\x00'
 _LENGTH = struct.Struct('<I')
@@ -29,7 +29,12 @@ _NUMBERS = {
     'boolean': '?', 'octet': 'B', 'uint8': 'B', 'int8': 'b', 'uint16': 'H', 'int16': 'h',
     'uint32': 'I', 'int32': 'i', 'uint64': 'Q', 'int64': 'q', 'float': 'f', 'double': 'd',
 }  # fmt: skip
+_MALFORMED = (struct.error, ValueError, IndexError, RuntimeError, MemoryError)
 _HEADER = (('header.stamp.sec', 'int32'), ('header.stamp.nanosec', 'uint32'))
+
+
+class UnreadableError(Exception):
+    """Bytes that are no message of their kind, in one line: cut off, or of another version of the kind."""
 
 
 class Stamp(NamedTuple):
@@ -87,20 +92,37 @@ class Wire:
         return layout.pack(_ENCAPSULATION, *values)
 
     def unpack(self, data: bytes) -> Any:
-        """Give a record with the fields of the message, as they are named there."""
-        if data[1] != _ENCAPSULATION[1]:  # from a machine that is not little endian
-            return deserialize_message(data, self._kind)
+        """Give a record with the fields of the message, as they are named there.
+
+        What follows the last field is of a later version, and left out.
+
+        Raises:
+            UnreadableError: the bytes end before its last field, or hold a text that is none.
+        """
+        try:
+            if data[1] != _ENCAPSULATION[1]:  # from a machine that is not little endian
+                return deserialize_message(data, self._kind)
+            return self._unpack(data)
+        except _MALFORMED as error:
+            raise unreadable(data, self._kind, error) from None
+
+    def check(self, data: bytes) -> None:
+        """Refuse bytes that are not one message of just this version.
+
+        Raises:
+            UnreadableError: they are not.
+        """
+        self.unpack(data)
+        if data[1] == _ENCAPSULATION[1]:
+            _check_length(data, self._layout_of(data).size, self._kind)
+
+    def _unpack(self, data: bytes) -> Any:
         if self._plain:
             (length,) = _LENGTH.unpack_from(data, _FRAME)
-            layout = self._layouts.get((length,)) or self._layout([length])
+            layout = self._layouts.get((length,)) or self._layout_of(data)
             _, sec, nanosec, _, frame, *rest = layout.unpack_from(data)
             return self._record(Header(Stamp(sec, nanosec), frame.decode()), *rest)
-        lengths: list[int] = []
-        for _ in self._texts:
-            at = self._layout(lengths).size
-            lengths.insert(0, _LENGTH.unpack_from(data, at - _LENGTH.size)[0])
-        layout = self._layouts.get(tuple(lengths)) or self._layout(lengths)
-        _, *values = layout.unpack_from(data)
+        _, *values = self._layout_of(data).unpack_from(data)
         for i in self._texts:
             del values[i]
             values[i] = values[i].decode()
@@ -108,6 +130,13 @@ class Wire:
             return self._record(*values)
         sec, nanosec, frame, *rest = values
         return self._record(Header(Stamp(sec, nanosec), frame), *rest)
+
+    def _layout_of(self, data: bytes) -> struct.Struct:
+        """Layout of a message, by the lengths of its texts."""
+        lengths: list[int] = []
+        for _ in self._texts:
+            lengths.insert(0, _length(data, self._layout(lengths).size - _LENGTH.size))
+        return self._layouts.get(tuple(lengths)) or self._layout(lengths)
 
     def _layout(self, lengths: list[int]) -> struct.Struct:
         """Layout of a message with texts of these lengths, the last one first; of fewer up to the next length."""
@@ -137,6 +166,14 @@ class Wire:
         return made
 
 
+def _length(data: bytes, at: int) -> int:
+    """Length of a text; a layout is kept for each, so one that the message cannot hold is refused first."""
+    length: int = _LENGTH.unpack_from(data, at)[0]
+    if not 0 < length <= len(data):
+        raise ValueError(f'a text of {length} bytes')
+    return length
+
+
 @cache
 def wire_of(kind: Any) -> Wire | None:
     """Give the wire of a kind of messages; None where it holds more than numbers, texts and a header."""
@@ -150,6 +187,33 @@ def wire_of(kind: Any) -> Wire | None:
         return None
     fields += described
     return Wire(kind, fields, headed) if fields else None
+
+
+def checker_of(kind: Any) -> Callable[[bytes], None]:
+    """Give what refuses bytes that are not one message of this kind: it raises `UnreadableError`."""
+    wire = wire_of(kind)
+    if wire is not None:
+        return wire.check
+
+    def check(data: bytes) -> None:
+        try:
+            found = serialize_message(deserialize_message(data, kind))
+        except _MALFORMED as error:
+            raise unreadable(data, kind, error) from None
+        _check_length(data, len(found), kind)
+
+    return check
+
+
+def unreadable(data: bytes, kind: Any, why: object) -> UnreadableError:
+    """Give the error."""
+    first = str(why).partition('\n')[0]
+    return UnreadableError(f'{len(data)} bytes that are no {kind.__name__} ({first})')
+
+
+def _check_length(data: bytes, length: int, kind: Any) -> None:
+    if abs(len(data) - length) >= _LENGTH.size:  # a message may be filled up to a whole word
+        raise unreadable(data, kind, f'{length} would be')
 
 
 def blank(kind: Any) -> Any:

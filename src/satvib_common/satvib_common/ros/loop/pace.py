@@ -24,6 +24,7 @@ from satvib_common.struts.applied import Pace
 # s and sample periods, whichever is more, without a sample of a source that is there
 _SILENCE, _PERIODS = 0.5, 5.0
 _PATIENCE = 3.0  # s, the same while samples are not expected
+_KNOWN = {int(Pace.CLOCK), int(Pace.LOCKSTEP)}
 _WORDS = {True: 'in lockstep', False: 'by the clock'}
 
 
@@ -70,13 +71,17 @@ class PaceFollower:
         self._inputs, self._on = [], False
 
     def see(self, pace: int, sequence: int) -> bool:
-        """Take the pace and the number of a sample; False: leave it out, the subscriptions were made again."""
-        self._heard = True
-        if pace == self._pace:
+        """Take the pace and the number of a sample; False: leave it out.
+
+        It is of another source, or the subscriptions were made again. A source keeps its pace, so samples of another
+        pace are left out until those of this one have ceased.
+        """
+        if pace in {self._pace, Pace.UNKNOWN}:
+            self._heard = True
             return True
-        self._pace = pace
-        if pace == Pace.UNKNOWN:
-            return True
+        if self._pace != Pace.UNKNOWN or pace not in _KNOWN:
+            return False
+        self._heard, self._pace = True, pace
         node, lockstep = self._node, pace == Pace.LOCKSTEP
         if lockstep != node.in_lockstep:
             node.in_lockstep = lockstep

@@ -80,6 +80,49 @@ def test_a_big_endian_message_is_read():
     assert not record.fault
 
 
+def test_bytes_that_are_no_message_are_refused():
+    """Truth: every beginning of a message that lacks its last field, and texts that are none, by hand.
+
+    A message that is longer is of a later version, which appends fields.
+    """
+    from satvib_common.ros.delivery.wire import UnreadableError, wire_of
+
+    rng = np.random.default_rng(11)
+    for name in KINDS:
+        kind = getattr(messages, name)
+        wire, message = wire_of(kind), filled(kind, rng)
+        message.header.frame_id = 'strut_1'
+        data = wire.pack(message)
+        for length in range(len(data)):
+            with pytest.raises(UnreadableError, match=f'{length} bytes that are no {name}'):
+                wire.unpack(data[:length])
+        later = data + b'of a later version'
+        assert wire.unpack(later).sequence == message.sequence
+        wire.check(data)
+        with pytest.raises(UnreadableError, match=f'{len(data)} would be'):
+            wire.check(later)
+        known = len(wire._layouts)
+        for text in (b'\xff\xff\xff\xff', b'\0\0\0\0'):
+            with pytest.raises(UnreadableError, match='a text of'):
+                wire.unpack(data[:12] + text + data[16:])
+        with pytest.raises(UnreadableError, match='decode'):
+            wire.unpack(data[:16] + b'\xff' + data[17:])
+        assert len(wire._layouts) == known
+
+
+def test_messages_with_lists_are_checked():
+    """Truth: rclpy's own serialization; each beginning and each longer message is refused."""
+    from rclpy.serialization import serialize_message
+    from satvib_common.ros.delivery.wire import UnreadableError, checker_of
+
+    check = checker_of(messages.IirParameters)
+    data = serialize_message(messages.IirParameters(a=[1.0, 2.0], covariance=[0.0] * 4, reason='x'))
+    check(data)
+    for wrong in [data[:length] for length in range(0, len(data) - 8, 4)] + [data + bytes(8)]:
+        with pytest.raises(UnreadableError, match='bytes that are no IirParameters'):
+            check(wrong)
+
+
 def test_what_holds_lists_has_no_wire():
     """Truth: the definitions of the messages."""
     from satvib_common.ros.delivery.wire import wire_of

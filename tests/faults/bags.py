@@ -1,0 +1,36 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a bag can be read to its last message, and holds what the plant published without a gap."""
+
+from itertools import pairwise
+
+from rosbags.highlevel import AnyReader
+from satvib_bringup.recorder.salvage import is_finished, salvage
+
+_LEAST = 50  # messages of a topic, a quarter of a second
+_TOPICS = ('acceleration', 'voltage', 'controller_state', 'truth')
+
+
+def complaints(bag):
+    """What is wrong with a bag, as texts; one that was not finished is saved first, as `satvib run` does it.
+
+    The truth goes past the fault node: each of its messages begins where the one before ended, or the recorder has lost
+    some. A stranger repeats one that was there.
+    """
+    if not is_finished(bag):
+        salvage(bag, {})
+    counts, truth = {}, []
+    with AnyReader([bag]) as reader:
+        for connection, _, raw in reader.messages():
+            message = reader.deserialize(raw, connection.msgtype)
+            counts[connection.topic] = counts.get(connection.topic, 0) + 1
+            if connection.topic == '/strut_1/truth':
+                truth.append((message.sequence, message.samples))
+    found = [
+        f'{bag.name} has {counts.get(f"/strut_1/{topic}", 0)} of {topic}'
+        for topic in _TOPICS
+        if counts.get(f'/strut_1/{topic}', 0) < (_LEAST if topic != 'truth' else 5)
+    ]
+    own = sorted(set(truth))
+    gaps = sum(k + count != after for (k, count), (after, _) in pairwise(own))
+    return found + ([f'{bag.name}: {gaps} gaps in the truth'] if gaps else [])

@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Long runs lose nothing and do not grow; benchmarks/soak.py runs them for an hour.
+
+Truth: the recording, and /proc. Allowed is what a history may still take in, and besides `_LEAK` for each sample and
+process: less than the smallest leak there is, one Python object for each sample, which has 16 bytes and its place in a
+list. The readings have pages of 4 kB, and an allocator keeps some of what was freed: that is `_NOISE`.
+"""
+
+import pytest
+from soaking import soak
+
+_LEAK = 24.0  # bytes a sample
+_NOISE = 0.5  # MB
+
+
+def check(found, limit):
+    """What holds on any machine."""
+    outcome = found.outcome
+    assert outcome['success'], outcome['message']
+    assert outcome['lost'] == 0
+    assert found.left == 0
+    assert len(found.processes) >= 4
+    for name, growth in found.processes.items():
+        first, last = growth.first, growth.last
+        print(name, growth)
+        assert last.descriptors == first.descriptors, name
+        assert last.segments == first.segments, name
+        assert growth.grown < limit, name
+
+
+@pytest.mark.usefixtures('domain')
+def test_a_short_run_in_lockstep_does_not_grow(tmp_path):
+    """One strut at 20 Hz, where a message comes with every sample: all histories are full after 1000 of them."""
+    settings = [
+        'duration=600',
+        'rig.acquisition.sample_rate=20',
+        'disturbance.frequency=3',
+        'analysis={}',
+    ]
+    found = soak('paper_1dof_10hz', settings, tmp_path / 'soak', realtime=False, every=0.25)
+    check(found, _NOISE + _LEAK * found.outcome['samples'] / 2**20)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(900)
+@pytest.mark.usefixtures('domain')
+@pytest.mark.parametrize('realtime', [True, False])
+def test_three_minutes_do_not_grow(tmp_path, realtime):
+    """Three struts at 200 Hz; histories are full after 50 s, which is in the first third."""
+    settings = ['duration=180', 'rig.acquisition.sample_rate=200', 'analysis={}']
+    found = soak('soft_3dof', settings, tmp_path / 'soak', realtime)
+    check(found, _NOISE + _LEAK * found.outcome['samples'] / 2**20)
