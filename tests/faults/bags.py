@@ -15,7 +15,7 @@ def complaints(bag):
     """What is wrong with a bag, as texts; one that was not finished is saved first, as `satvib run` does it.
 
     The truth goes past the fault node: each of its messages begins where the one before ended, or the recorder has lost
-    some. A stranger repeats one that was there.
+    some. A stranger repeats one that was there, and a second plant begins with 0.
     """
     if not is_finished(bag):
         salvage(bag, {})
@@ -31,6 +31,9 @@ def complaints(bag):
         for topic in _TOPICS
         if counts.get(f'/strut_1/{topic}', 0) < (_LEAST if topic != 'truth' else 5)
     ]
-    own = sorted(set(truth))
+    own = []
+    for k, count in truth:
+        if not own or k > own[-1][0]:
+            own.append((k, count))
     gaps = sum(k + count != after for (k, count), (after, _) in pairwise(own))
     return found + ([f'{bag.name}: {gaps} gaps in the truth'] if gaps else [])

@@ -58,8 +58,9 @@ class FaultNode:
     def begin(self, order: dict) -> None:
         raise NotImplementedError
 
-    def say(self, event: str, **more: object) -> None:
-        self.out.publish(String(data=json.dumps({'event': event, 'time': time.time_ns(), **more})))
+    def say(self, event: str, sequence: int | None = None) -> None:
+        """Say that it has begun, or is done, and at which sample if that is known here."""
+        self.out.publish(String(data=json.dumps({'event': event, 'sequence': sequence})))
 
 
 class Between(FaultNode):
@@ -88,15 +89,16 @@ class Between(FaultNode):
             return
         if not self.begun:
             self.begun = True
-            self.say('begun', sequence=message.sequence)
+            self.say('begun', message.sequence)
         for one in self.mangler.take(message):
             out.publish(one)
         self.left -= 1
         if self.left == 0:
             for one in self.mangler.end():
                 out.publish(one)
-            touched, self.mangler = self.mangler.touched, None
-            self.say('done', sequence=message.sequence, touched=touched)
+            assert self.mangler.touched > 0
+            self.mangler = None
+            self.say('done', message.sequence)
 
 
 class Stranger(FaultNode):
@@ -110,11 +112,13 @@ class Stranger(FaultNode):
         package, name = order['kind'].split('/')
         kind = getattr(importlib.import_module(f'{package}.msg'), name)
         self.heard = kind() if order['blank'] else None
+        self.is_sampled = order['topic'].rpartition('/')[2] in {'acceleration', 'voltage'}
         self.mangler = Mangler(Mangling(**order['mangling']), order['seed'], serialize_message)
         self.rate, self.count, self.left = order['rate'], order['count'], order['count']
         self.publisher = self.node.create_publisher(kind, order['topic'], offered())
+        # where a message comes with each sample, the newest one; elsewhere what was said before, too
         self.reader = self.node.create_subscription(
-            kind, order['topic'], self._hear, wanted(whole=True)
+            kind, order['topic'], self._hear, wanted(whole=not self.is_sampled)
         )
         # this node hears itself
         self.readers = order['readers'] + 1
@@ -130,7 +134,7 @@ class Stranger(FaultNode):
             return
         if not self.begun:
             self.begun = time.monotonic()
-            self.say('begun')
+            self.say('begun', self.newest())
         due = 1 + (time.monotonic() - self.begun) * self.rate
         while self.left and self.count - self.left < due:
             self.mangler.touched += 1
@@ -141,7 +145,11 @@ class Stranger(FaultNode):
             self.publisher.wait_for_all_acked(Duration(seconds=5.0))
             self.node.destroy_publisher(self.publisher)
             self.node.destroy_subscription(self.reader)
-            self.say('done', touched=self.mangler.touched)
+            self.say('done')
+
+    def newest(self) -> int | None:
+        """The sample of now, where a message comes with each."""
+        return self.heard.sequence if self.is_sampled else None
 
 
 def main() -> None:

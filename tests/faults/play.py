@@ -94,27 +94,36 @@ class Scene:
         self.probe.wait(lambda: self.strut.k >= k or self.plant_has_ended())
         self.look()
         if self.strut.k < k:
-            raise AssertionError(f'the plant has ended: {self.strut.plant.said.splitlines()[-1:]}')
+            raise AssertionError(self.last_words())
 
     def level(self, first, count=WINDOW):
         """RMS without the mean, m/s^2."""
-        return float(np.std([self.upper[k] for k in range(first, first + count)]))
-
-    def sample_at(self, nanoseconds):
-        """The sample of an instant of the clock of this machine."""
-        from satvib_common.ros.convert import nanoseconds as of
-
-        last = self.strut.samples[-1]
-        return last.sequence + (nanoseconds - of(last.header.stamp)) * RATE // 10**9
+        there = [self.upper[k] for k in range(first, first + count) if k in self.upper]
+        return float(np.std(there)) if 2 * len(there) > count else float('nan')
 
     def is_calm(self, k, before):
         """Whether the law acts in a window from k on, what it asks is applied, and the payload is as calm as before."""
-        span = range(k, k + WINDOW)
+        # a test that is away for seconds has not heard all
+        span = [i for i in range(k, k + WINDOW) if i in self.state]
+        if 2 * len(span) < WINDOW:
+            return False
         acts = np.std([self.voltage[i] for i in span]) >= 0.5 * self.usual
         applied = {self.state[i] for i in span} == {Applied.APPLIED}
         if self.phase is not Phase.CONTROL:
             return acts and applied
         return acts and applied and self.level(k) <= CALM * before
+
+    def unrest(self, before):
+        """Why the newest window is not calm."""
+        k = self.strut.k - WINDOW
+        span = [i for i in range(k, k + WINDOW) if i in self.state]
+        states = {self.state[i].name for i in span}
+        effort = np.std([self.voltage[i] for i in span])
+        reasons = {s.reason for s in self.strut.states[-3:]}
+        return (
+            f'not calm after {_PATIENCE} samples: {self.level(k):.3g} m/s^2 before {before:.3g}, '
+            f'{effort:.3g} V usually {self.usual:.3g}, {states}, {reasons}'
+        )
 
     def settle(self, k):
         """Wait for a calm window."""
@@ -126,18 +135,25 @@ class Scene:
     # ---- what is done
 
     def order(self, who, **order):
-        """Ask a fault node, and wait until it is done; gives when it began and ended."""
+        """Ask a fault node, and wait until it is done; gives the samples at which it begins and ends."""
         from std_msgs.msg import String
 
         count = len(self.said)
         self.orders.publish(String(data=json.dumps({'who': who, **order})))
-        # a stranger goes on without a plant, what stands between does not
-        self.probe.wait(
-            lambda: len(self.said) >= count + 2 or (who == 'between' and self.plant_has_ended())
-        )
-        if len(self.said) < count + 2:
-            raise AssertionError(f'the plant has ended: {self.strut.plant.said.splitlines()[-1:]}')
-        return [json.loads(m.data) for m in self.said[count : count + 2]]
+        found = []
+        for i in (count, count + 1):
+            # a stranger goes on without a plant, what stands between does not
+            self.probe.wait(
+                lambda i=i: len(self.said) > i or (who == 'between' and self.plant_has_ended())
+            )
+            if len(self.said) <= i:
+                raise AssertionError(self.last_words())
+            said = json.loads(self.said[i].data)
+            found.append(self.strut.k if said['sequence'] is None else said['sequence'])
+        return found
+
+    def last_words(self):
+        return f'the plant has ended: {self.strut.plant.said.splitlines()[-1:]}'
 
     def plant_has_ended(self):
         return self.strut.plant.popen.poll() is not None
@@ -147,38 +163,36 @@ class Scene:
         act, strut = fault.act, self.strut
         match act:
             case Mangle():
-                begun, done = self.order(
+                return self.order(
                     'between', topic=act.topic, count=act.count, seed=seed,
                     mangling=act.mangling.as_order(),
                 )  # fmt: skip
-                assert done['touched'] > 0
-                return self.sample_at(begun['time']), self.sample_at(done['time'])
             case Stranger():
-                begun, done = self.order(
+                begin, end = self.order(
                     'stranger', topic=act.topic, kind=act.kind, count=act.count, seed=seed, rate=act.rate,
                     readers=act.readers, blank=act.blank, mangling=act.mangling.as_order(),
                 )  # fmt: skip
                 self.until_alone()
-                return self.sample_at(begun['time']), max(
-                    self.sample_at(done['time']), strut.k - _ALONE
-                )
+                return begin, max(end, strut.k - _ALONE)
             case Stall():
-                process = getattr(strut, act.node)
+                process, begin = getattr(strut, act.node), strut.k
                 process.send(signal.SIGSTOP)
-                begin = self.sample_at(time.time_ns())
                 # the plant is the one that counts, so this one wait is by the clock of the test
                 over = time.monotonic() + TIMEOUT + act.samples / RATE
                 self.probe.wait(lambda: time.monotonic() > over)
+                if fault.must is Must.ZERO:
+                    self.probe.wait(lambda: strut.state() is Applied.SILENT)
+                    begin = strut.voltages[-1].sequence
                 process.send(signal.SIGCONT)
-                return begin, self.sample_at(time.time_ns())
+                return begin, strut.k
             case Restart():
-                process = getattr(strut, act.node)
+                process, begin = getattr(strut, act.node), strut.k
                 self.segments |= shared_memory(process.popen.pid)
                 process.send(signal.SIGKILL)
-                begin = self.sample_at(time.time_ns())
                 process.wait()
                 if fault.must is Must.ZERO:
                     self.probe.wait(lambda: strut.state() is Applied.SILENT)
+                    begin = strut.voltages[-1].sequence
                 self.begin(act.node)
                 if fault.must is Must.ZERO:
                     self.probe.wait(lambda: strut.state() is Applied.APPLIED)
@@ -259,7 +273,7 @@ class Scene:
         reasons = {s.reason for s in self.strut.states[heard:] if s.fault}
         if back is None and reasons:
             broken.append(f'the controller latched 0 V: {", ".join(reasons)}')
-        span = range(begin, self.strut.k)
+        span = [k for k in range(begin, self.strut.k) if k in self.state]
         self.reset()
         peak = max(abs(self.voltage[k]) for k in span)
         in_control = self.phase is Phase.CONTROL
@@ -272,7 +286,8 @@ class Scene:
             if level > 10 ** (fault.louder / 20.0):
                 broken.append(f'the payload was {20 * np.log10(level):.1f} dB louder')
         if back is None or back - end > fault.back:
-            broken.append(f'calm after {back and back - end} samples, {fault.back} are allowed')
+            how = f'calm after {back - end} samples' if back is not None else self.unrest(before)
+            broken.append(f'{how}; {fault.back} are allowed')
         if not peak <= GUARD:
             broken.append(f'{peak:g} V at the coil')
         if fault.said and not any(fault.said in p.said for p in self.start.started):
@@ -291,16 +306,18 @@ class Scene:
             last = max(begin + limit, end) + WINDOW
             self.probe.wait(lambda: self.is_latched() or self.strut.k > last)
             self.until(self.strut.k + WINDOW)
-            found = [k for k in range(begin, self.strut.k) if self.voltage[k] == 0.0]
             end = self.strut.k
             # a controller that has just begun answers 0 V, too: the latch is what stays
-            while found and found != list(range(found[0], end)):
-                found = found[1:]
+            first = end
+            while first > begin and self.voltage.get(first - 1, 0.0) == 0.0:
+                first -= 1
+            found = [k for k in range(first, end) if k in self.voltage]
             if not self.is_latched():
                 broken.append('0 V was not kept until reset')
             self.reset()
         else:
-            found = [k for k in range(begin, self.strut.k) if self.state[k] is Applied.SILENT]
+            silent = Applied.SILENT
+            found = [k for k in range(begin, self.strut.k) if self.state.get(k) is silent]
         if not found or found[0] - begin > limit:
             broken.append(f'0 V after {found and found[0] - begin} samples, {limit} are allowed')
         if any(self.voltage[k] != 0.0 for k in found):

@@ -8,9 +8,12 @@ A node classifies each sample once, when it arrives, and hands the result on wit
 from collections.abc import Callable
 from enum import Enum
 
-# samples that a source may be ahead of where the first one seen puts it: those that waited for the reader then
+# samples by which a source may be ahead of where the clock and its first one put it: they waited for the reader then
 _BACKLOG = 1100
 _DRIFT = 1.01  # of two clocks, far above that of any quartz
+# samples in a row, with none of the source before, that prove another run or a gap. One that goes back, or is ahead of
+# the clock, is most often a second source; to go back must cost less than what `Rivals` takes for two.
+_PROOF, _PROOF_BACK, _PROOF_AHEAD = 2, 10, 100
 
 
 class Arrival(Enum):
@@ -35,8 +38,9 @@ class SequenceTracker:
     costs one sample. In lockstep that one sample would never be answered, and a run begins with sample 0: there
     `zero_restarts` takes sample 0 at once.
 
-    A source that follows a clock (`follow`) cannot be further than the clock: with `confirm` a sample that it cannot
-    have reached is a stray, however many follow it.
+    A source that follows a clock (`follow`) does not go back, and cannot be further than the clock. With `confirm` such
+    samples are strays until 10 of them that go back, or 100 that are ahead, have come in a row and none of the source
+    between them: then that one has ended.
 
     Args:
         repeat_window: samples.
@@ -57,6 +61,7 @@ class SequenceTracker:
         self._candidate: int | None = None
         self._now: Callable[[], float] | None = None
         self._begun: tuple[int, float] | None = None  # a sample, and when it came by that clock
+        self._row = 0  # strays that follow each other
         self.strays = 0
         self.last: int | None = None
         self.lost = 0
@@ -70,10 +75,12 @@ class SequenceTracker:
     def classify(self, sequence: int) -> Arrival:
         """Classify a sample and count it."""
         arrival = self._classify(sequence)
-        if self._now is not None:
+        if self._now is not None and arrival is not Arrival.STRAY:
             begins = self._begun is None and arrival is Arrival.NEXT
-            if begins or arrival in {Arrival.FIRST, Arrival.RESTART}:
+            if begins or self._row or arrival in {Arrival.FIRST, Arrival.RESTART}:
                 self._begun = sequence, self._now()
+        if arrival is not Arrival.STRAY:
+            self._candidate, self._row = None, 0
         return arrival
 
     def _classify(self, sequence: int) -> Arrival:
@@ -81,7 +88,6 @@ class SequenceTracker:
         if last is None:
             return Arrival.FIRST
         if sequence == last + 1:
-            self._candidate = None
             return Arrival.NEXT
         if self._confirm and self._is_stray(sequence, last):
             self.last = last
@@ -98,18 +104,22 @@ class SequenceTracker:
         return Arrival.RESTART
 
     def _is_stray(self, sequence: int, last: int) -> bool:
-        """Whether a sample that is far from the last one has none before it that it follows."""
+        """Whether a sample that is far from the last one has too few before it that it follows."""
         near = abs(sequence - last) <= self.repeat_window and sequence > 0
         if near or (sequence == 0 and self.zero_restarts):
-            self._candidate = None
             return False
-        if sequence > last and self._is_out_of_reach(sequence):
-            return True
         candidate, self._candidate = self._candidate, sequence
         follows = candidate is not None and 0 < sequence - candidate <= self.repeat_window
-        if follows:
-            self._candidate = None
-        return not follows
+        self._row = self._row + 1 if follows else 1
+        return self._row < self._proof(sequence, last)
+
+    def _proof(self, sequence: int, last: int) -> int:
+        """How many samples in a row prove another run or a gap."""
+        if self._now is None:
+            return _PROOF
+        if sequence < last:
+            return _PROOF_BACK
+        return _PROOF_AHEAD if self._is_out_of_reach(sequence) else _PROOF
 
     def _is_out_of_reach(self, sequence: int) -> bool:
         """Whether a source that follows the clock cannot be there yet."""

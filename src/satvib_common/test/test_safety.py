@@ -135,8 +135,15 @@ def test_a_source_that_follows_the_clock_is_not_ahead_of_it():
             far += 1
             found.append(tracker.classify(far).value)
     assert found == ['first', *['stray'] * 5, *(['next'] + ['stray'] * 5) * 39]
+    # the source has ended, and the stranger is all there is: it is followed, and so is the next one, which goes back
+    seen = [tracker.classify(far + k).value for k in range(1, 102)]
+    assert seen == [*['stray'] * 94, 'gap', *['next'] * 6]
+    far += 101
+    seen = [tracker.classify(k).value for k in range(60, 72)]
+    assert seen == [*['stray'] * 9, 'restart', 'next', 'next']
     time += 100.0
     assert [tracker.classify(k).value for k in (20030, 20031, 20032)] == ['stray', 'gap', 'next']
+    assert tracker.classify(2 * 10**9).value == 'stray'
     tracker.follow(None)
     assert [tracker.classify(far + k).value for k in range(3)] == ['stray', 'gap', 'next']
 
