@@ -115,7 +115,7 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         if self.k < 0:
             self._publish_sample()
         else:
-            self._advance(*self.commands.period_over(due))
+            self._advance(*self.commands.period_over(due, time.monotonic()))
         return 0.0  # voltages that are there come before another sample that is due
 
     def _on_schedule(self, message: Schedule) -> None:
@@ -147,7 +147,8 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         if self.ahead.saw(sequence > k):
             raise RunError(f'{self.names[i]}: {ANOTHER_PLANT}; {self.others(i)}')
         since = max(now - self.zero - k * self.plant.dt, 0.0)
-        self.commands.take(i, sequence, voltage, now, since, k)
+        due = self.zero + (k + 1) * self.plant.dt
+        self.commands.take(i, sequence, voltage, now, since, k, min(now, due))
         self.awaited -= sequence == k
         if self.awaited == 0:
             self.out.flush_whole()  # nobody is in a hurry now

@@ -4,7 +4,8 @@
 
 Real time: a voltage is in force from its arrival until the next one (zero-order hold). It counts when it is *fresh*: it
 answers a sample that is at most `timeout` old. A strut that has been heard once and then gets no fresh voltage for
-longer than that is at 0 V at once, because at 0 V a coil only damps.
+longer than that is at 0 V at once, because at 0 V a coil only damps. A plant that is behind its clock counts a silence
+by its samples and by the clock: samples that it makes up for in one go are no silence, and its delay does not hide one.
 
 | `after_silence` | when fresh voltages come again |
 |---|---|
@@ -74,7 +75,8 @@ class Commands:
         self._limited = np.zeros(struts, dtype=bool)
         self._wanted = np.zeros(struts)
         self._share = np.ones(struts)
-        self._last_time = np.full(struts, _NEVER)
+        self._last_time = np.full(struts, _NEVER)  # of the clock
+        self._last_due = np.full(struts, _NEVER)  # of the samples
         self._answered = [-1] * struts
         self._arrival = np.zeros(struts)
         self._rivals = [Rivals() for _ in names]
@@ -85,8 +87,9 @@ class Commands:
         self.timeout, self.resume, self.return_time = timeout, resume, return_time
 
     def take(
-        self, strut: int, sequence: int, voltage: float, now: float, since: float, k: int
-    ) -> None:
+        self, strut: int, sequence: int, voltage: float, now: float, since: float, k: int,
+        within: float | None = None,
+    ) -> None:  # fmt: skip
         """Take a voltage for one strut.
 
         Args:
@@ -96,6 +99,7 @@ class Commands:
             now: s.
             since: s since sample k.
             k: the present sample.
+            within: s, when that is by the instants at which samples are due; None: as `now`.
         """
         if sequence > k:
             return  # the answer to a sample that is not there yet
@@ -111,6 +115,7 @@ class Commands:
             self.stale += 1
         elif not self.fault[strut]:
             self._last_time[strut] = now
+            self._last_due[strut] = now if within is None else within
             self._wanted[strut] = min(max(voltage, -self._limit), self._limit)
             self._limited[strut] = abs(voltage) > self._limit
             self._arrival[strut] = since
@@ -136,7 +141,7 @@ class Commands:
     def reset(self) -> None:
         """Release the faults; the next voltages count again there, and rise from 0 V. Other struts feel nothing."""
         self._share[self.fault] = 0.0
-        self._last_time[self.fault] = _NEVER
+        self._last_time[self.fault] = self._last_due[self.fault] = _NEVER
         self._wanted[self.fault] = 0.0
         for strut in np.flatnonzero(self.fault):
             self._rivals[strut].reset()
@@ -147,10 +152,17 @@ class Commands:
         """The samples count from 0 again."""
         self._answered = [-1] * len(self.names)
 
-    def period_over(self, now: float) -> tuple[Array, Array]:
-        """Give what the period that ends now has seen: voltages (struts) and their arrivals (struts, s)."""
+    def period_over(self, due: float, now: float | None = None) -> tuple[Array, Array]:
+        """Give what a period has seen: voltages (struts) and their arrivals (struts, s).
+
+        Args:
+            due: s, when it should end.
+            now: s; None: it is punctual.
+        """
         arrival, self._arrival = self._arrival, np.zeros_like(self._arrival)
-        quiet = now - self._last_time > self.timeout
+        quiet = due - self._last_due > self.timeout
+        if now is not None and quiet.any():
+            quiet = quiet & (now - self._last_time > self.timeout)
         if self._usual and not (quiet | self._limited | self.fault).any():
             self.voltage = self._wanted.copy()
             return self.voltage, arrival

@@ -46,6 +46,22 @@ def test_a_command_holds_until_the_next():
     assert (voltage.tolist(), arrival.tolist()) == ([3.0, 0.0], [0.0, 0.0])
 
 
+@pytest.mark.parametrize('lag', [0.0, 0.5])
+def test_a_plant_that_is_behind_its_clock_finds_a_silence_in_the_same_sample(lag):
+    """Truth: the time-out in samples, by hand; and samples that are made up for within 1 ms make no silence."""
+    commands = make(ONE)
+    commands.take(0, 0, 3.0, 0.004 + lag, 0.004, 0, 0.004)
+    seen = [
+        float(commands.period_over((k + 1) * PERIOD, (k + 1) * PERIOD + lag)[0][0])
+        for k in range(8)
+    ]
+    assert seen == [3.0] * 5 + [0.0] * 3
+    commands = make(ONE)
+    commands.take(0, 0, 3.0, 1.004, 0.004, 0, 0.004)
+    made_up_for = [float(commands.period_over((k + 1) * PERIOD, 1.005)[0][0]) for k in range(80)]
+    assert made_up_for == [3.0] * 80
+
+
 def test_silence_is_0_v_at_once_and_ends_by_itself():
     """Truth: the design. 0 V after 50 ms; then tenths of the voltage, 0.1 s long; the console hears of both."""
     commands = make(ONE)

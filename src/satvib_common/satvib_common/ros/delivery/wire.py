@@ -29,6 +29,7 @@ _NUMBERS = {
     'boolean': '?', 'octet': 'B', 'uint8': 'B', 'int8': 'b', 'uint16': 'H', 'int16': 'h',
     'uint32': 'I', 'int32': 'i', 'uint64': 'Q', 'int64': 'q', 'float': 'f', 'double': 'd',
 }  # fmt: skip
+_REPLACED = '\ufffd'.encode()  # what rclpy puts in the place of bytes that are no text
 _MALFORMED = (struct.error, ValueError, IndexError, RuntimeError, MemoryError)
 _HEADER = (('header.stamp.sec', 'int32'), ('header.stamp.nanosec', 'uint32'))
 
@@ -200,6 +201,8 @@ def checker_of(kind: Any) -> Callable[[bytes], None]:
             found = serialize_message(deserialize_message(data, kind))
         except _MALFORMED as error:
             raise unreadable(data, kind, error) from None
+        if found.count(_REPLACED) != data.count(_REPLACED):
+            raise unreadable(data, kind, 'a text that is none')
         _check_length(data, len(found), kind)
 
     return check

@@ -118,7 +118,10 @@ def test_messages_with_lists_are_checked():
     check = checker_of(messages.IirParameters)
     data = serialize_message(messages.IirParameters(a=[1.0, 2.0], covariance=[0.0] * 4, reason='x'))
     check(data)
-    for wrong in [data[:length] for length in range(0, len(data) - 8, 4)] + [data + bytes(8)]:
+    assert data.count(b'\x02\0\0\0x\0') == 1
+    wrong_text = data.replace(b'\x02\0\0\0x\0', b'\x02\0\0\0\xff\0')
+    cut = [data[:length] for length in range(0, len(data) - 8, 4)]
+    for wrong in (*cut, data + bytes(8), wrong_text):
         with pytest.raises(UnreadableError, match='bytes that are no IirParameters'):
             check(wrong)
 
