@@ -31,7 +31,7 @@ def check(found, limit):
 
 @pytest.mark.usefixtures('domain')
 def test_a_short_run_in_lockstep_does_not_grow(tmp_path):
-    """One strut at 20 Hz, where a message comes with every sample: all histories are full after 1000 of them."""
+    """One strut at 50 Hz, where every second sample has each message: all histories are full after 2000 samples."""
     settings = [
         'duration=600',
         'rig.acquisition.sample_rate=20',
