@@ -22,7 +22,6 @@ from scipy.stats import theilslopes
 _HOUR = 3600.0  # s
 _MEGABYTE = 2.0**20
 _FROM = 1.0 / 3.0  # of the run
-_END = 3.0  # s before the end, in which bags get their index
 _SEGMENT = re.compile(r'/dev/shm/(fastrtps_\S+)')
 
 
@@ -30,7 +29,7 @@ class Reading(NamedTuple):
     """Of one process at one time.
 
     Attributes:
-        time: s from the first reading on.
+        time: s of the steady clock.
         resident: MB, of which what is shared counts in full.
         share: MB, of which what is shared counts in parts (PSS).
         private: MB, without what is shared (USS).
@@ -105,11 +104,13 @@ def reading_of(pid: int, now: float) -> Reading:
     )  # fmt: skip
 
 
-def growth_of(readings: list[Reading]) -> Growth | None:
-    """Give the growth of a process after the first third; None where there are fewer than ten readings."""
+def growth_of(readings: list[Reading], begin: float, end: float) -> Growth | None:
+    """Give the growth of a process after the first third of the samples, which came from `begin` to `end`.
+
+    None: there are fewer than ten readings.
+    """
     table = np.array(readings)
-    begin, end = table[0, 0], table[-1, 0]
-    later = table[(table[:, 0] >= begin + _FROM * (end - begin)) & (table[:, 0] <= end - _END)]
+    later = table[(table[:, 0] >= begin + _FROM * (end - begin)) & (table[:, 0] <= end)]
     if len(later) < 10:
         return None
 
@@ -164,13 +165,12 @@ def soak(
         running = subprocess.Popen(
             [sys.executable, __file__, json.dumps(plan)], stdout=log, stderr=subprocess.STDOUT
         )
-        began = time.monotonic()
         try:
             while running.poll() is None:
                 if Path(plan['progress']).exists():
                     for name, pid in children_of(running.pid, folder / 'run').items():
                         try:
-                            reading = reading_of(pid, time.monotonic() - began)
+                            reading = reading_of(pid, time.monotonic())
                         except OSError:  # it has ended meanwhile
                             continue
                         found.setdefault(name, []).append(reading)
@@ -184,7 +184,8 @@ def soak(
     if not Path(plan['result']).exists():
         raise RuntimeError((folder / 'log').read_text(errors='replace')[-1000:])
     outcome = json.loads(Path(plan['result']).read_text(encoding='utf-8'))
-    grown = {name: growth_of(readings) for name, readings in found.items()}
+    times = np.loadtxt(plan['progress'], ndmin=2)[:, 0]
+    grown = {name: growth_of(readings, times[0], times[-1]) for name, readings in found.items()}
     latency, late = _latency(Path(plan['arrivals']), outcome) if realtime else (None, None)
     return Soak(
         {name: growth for name, growth in grown.items() if growth is not None},

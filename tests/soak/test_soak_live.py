@@ -4,7 +4,9 @@
 
 Truth: the recording, and /proc. Allowed is what a history may still take in, and besides `_LEAK` for each sample and
 process: less than the smallest leak there is, one Python object for each sample, which has 16 bytes and its place in a
-list. The readings have pages of 4 kB, and an allocator keeps some of what was freed: that is `_NOISE`.
+list. The readings have pages of 4 kB, and an allocator keeps some of what was freed: that is `_NOISE`. Two processes have
+buffers that may be empty or full when they are read, which is in `_BUFFERS`: the plant 1000 messages of truth of up to
+2 kB, the recorder a chunk of 1 MB of the bag and its copy on the way to the disk.
 """
 
 import pytest
@@ -12,11 +14,13 @@ from soaking import soak
 
 _LEAK = 24.0  # bytes a sample
 _NOISE = 0.5  # MB
+_BUFFERS = {'plant_sim': 2.0, 'recorder': 2.0}  # MB
 
 
-def check(found, limit):
+def check(found):
     """What holds on any machine."""
     outcome = found.outcome
+    limit = _NOISE + _LEAK * outcome['samples'] / 2**20
     assert outcome['success'], outcome['message']
     assert outcome['lost'] == 0
     assert found.left == 0
@@ -26,20 +30,15 @@ def check(found, limit):
         print(name, growth)
         assert last.descriptors == first.descriptors, name
         assert last.segments == first.segments, name
-        assert growth.grown < limit, name
+        assert growth.grown < limit + _BUFFERS.get(name, 0.0), name
 
 
 @pytest.mark.usefixtures('domain')
 def test_a_short_run_in_lockstep_does_not_grow(tmp_path):
-    """One strut at 50 Hz, where every second sample has each message: all histories are full after 2000 samples."""
-    settings = [
-        'duration=600',
-        'rig.acquisition.sample_rate=20',
-        'disturbance.frequency=3',
-        'analysis={}',
-    ]
-    found = soak('paper_1dof_10hz', settings, tmp_path / 'soak', realtime=False, every=0.25)
-    check(found, _NOISE + _LEAK * found.outcome['samples'] / 2**20)
+    """One strut at 50 Hz, 3500 samples; the last history is full after 2000."""
+    settings = ['duration=70', 'rig.acquisition.sample_rate=50', 'analysis={}']
+    found = soak('paper_1dof_10hz', settings, tmp_path / 'soak', realtime=False, every=0.15)
+    check(found)
 
 
 @pytest.mark.long
@@ -50,4 +49,4 @@ def test_three_minutes_do_not_grow(tmp_path, realtime):
     """Three struts at 200 Hz; histories are full after 50 s, which is in the first third."""
     settings = ['duration=180', 'rig.acquisition.sample_rate=200', 'analysis={}']
     found = soak('soft_3dof', settings, tmp_path / 'soak', realtime)
-    check(found, _NOISE + _LEAK * found.outcome['samples'] / 2**20)
+    check(found)
