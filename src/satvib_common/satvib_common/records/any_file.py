@@ -3,11 +3,11 @@
 """Columns of a file of any format: which reader it needs, and what it holds."""
 
 import importlib
-from collections.abc import Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
-from satvib_common.errors import SatvibError
+from satvib_common.errors import SatvibError, printable
 from satvib_common.records.encoding import READABLE, TEXT_SUFFIXES, foreign_format
 from satvib_common.records.formats.channels import Channels
 from satvib_common.records.formats.kinds import Format, format_of
@@ -16,6 +16,7 @@ from satvib_common.records.table import Table, listed
 from satvib_common.records.text_table import list_text, read_text
 
 _LABVIEW = 'LabVIEW Measurement'
+_LONGEST = 4000  # characters of a line about a file; a list of columns may be long
 
 
 def has_columns(path: Path, columns_given: bool) -> bool:
@@ -88,12 +89,17 @@ def list_columns(path: Path, reading: Reading | None = None) -> str:
         return channels.listed()
 
 
-def _opened(path: Path, kind: Format, reading: Reading | None) -> AbstractContextManager[Channels]:
+@contextmanager
+def _opened(path: Path, kind: Format, reading: Reading | None) -> Iterator[Channels]:
+    """The channels of a file; what is wrong with it is one line, also where a damaged name holds anything."""
     module = importlib.import_module(f'satvib_common.records.formats.{kind.module}')
-    opened: AbstractContextManager[Channels] = module.channels(
-        path, reading is not None and reading.recover
-    )
-    return opened
+    try:
+        with module.channels(path, reading is not None and reading.recover) as channels:
+            yield channels
+    except SatvibError as error:
+        most = _LONGEST + len(str(path))
+        escaped = printable(str(error), most)
+        raise SatvibError(printable(escaped, most)) from None
 
 
 def _is_labview(path: Path, reading: Reading | None) -> bool:

@@ -67,7 +67,7 @@ class Channel:
         """Names, unit and size, for a list."""
         other = '' if self.name.endswith(self.short) else f' "{self.short}"'
         unit = f' [{self.unit}]' if self.unit else ''
-        return printable(f'{self.name}{other}{unit} ({self.reason or self.size})')
+        return printable(f'{self.name}{other}{unit} ({self.reason or self.size})', 200)
 
 
 @dataclass(eq=False)

@@ -110,7 +110,7 @@ def one_line(path: Path, what: str, where: str = '') -> Iterator[None]:
         raise SatvibError(f'{path}: no such file') from None
     except Exception as error:  # a parser that meets damaged bytes raises anything  # noqa: BLE001
         reason = printable(' '.join(str(error).split()), 200) or type(error).__name__
-        at = f' in {where}' if where else ''
+        at = f' in {printable(where, 80)}' if where else ''
         raise SatvibError(f'{path}: not {what}, or damaged{at}: {reason}') from None
 
 
@@ -127,5 +127,5 @@ def check_size(path: Path, name: str, size: int) -> None:
     """
     if size < 0 or size > _ALWAYS + _MOST_SHRINKING * path.stat().st_size:
         raise SatvibError(
-            f'{path}: damaged: {name} needs {size / 1e9:.3g} GB, which the file cannot hold'
+            f'{path}: damaged: {printable(name, 80)} needs {size / 1e9:.3g} GB, which the file cannot hold'
         )
