@@ -83,7 +83,7 @@ def test_changed_bytes_end_in_a_record_or_in_one_line(tmp_path_factory, cases, d
 
 
 @pytest.mark.long
-@settings(QUIET, max_examples=5000)
+@settings(QUIET, max_examples=2500)
 @given(data=st.data())
 def test_many_changed_bytes_end_in_a_record_or_in_one_line(tmp_path_factory, cases, data):
     changed_bytes(tmp_path_factory, cases, data)
