@@ -21,7 +21,7 @@ setup(
     zip_safe=False,
     maintainer='satvib maintainers',
     maintainer_email='maintainers@satvib.invalid',
-    description='Simulated 3-DOF and 1-DOF vibration isolators',
+    description='Simulated vibration isolators with any number of struts',
     license='Apache-2.0',
     extras_require={'test': ['pytest']},
     entry_points={

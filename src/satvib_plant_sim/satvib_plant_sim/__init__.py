@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Simulated 3-DOF and 1-DOF vibration isolators: rigs, physics, sensors, disturbances and failures.
+"""Simulated vibration isolators with any number of struts: rigs, physics, sensors, disturbances and failures.
 
 plant = make_plant(load_rig('paper_3dof'), make_disturbance({'kind': 'sine', 'amplitude': 1, 'frequency': 10}), seed=1)
 sample = plant.sample()
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         without_noise,
     )
     from satvib_plant_sim.rig.identified_rig import IirRig
+    from satvib_plant_sim.rig.payload_modes import payload_modes
     from satvib_plant_sim.rig.random_rig import random_build, random_parts, random_payload
     from satvib_plant_sim.rig.rig import Rig, load_rig, rig_names
 
@@ -61,6 +62,7 @@ __all__ = [
     'make_failing_plant',
     'make_plant',
     'noise_floor',
+    'payload_modes',
     'random_build',
     'random_parts',
     'random_payload',

@@ -52,12 +52,15 @@ def channels_of(
         'gain': c.gain,
         'limit': min(c.voltage_limit, q.output_range * c.gain),
         'slew': 1000.0 * c.voltage_limit,
-        'force_constant': c.force_constant,
-        'continuous_force': min(_CONTINUOUS_FORCE, c.force_limit),
-        'resistance': c.resistance,
-        'inductance': c.inductance,
         'transconductance': c.transconductance if c.drive == 'current' else 0.0,
-        **(coil or {}),
+    }
+    own = {
+        'force_constant': rig.struts.own('force_constant', c.force_constant),
+        'continuous_force': [
+            min(_CONTINUOUS_FORCE, limit) for limit in rig.struts.own('force_limit', c.force_limit)
+        ],
+        'resistance': rig.struts.own('resistance', c.resistance),
+        'inductance': rig.struts.own('inductance', c.inductance),
     }
     return {
         'back_end': back_end,
@@ -66,7 +69,12 @@ def channels_of(
             strut_name: {
                 'upper': {**accelerometer, 'index': i},
                 'lower': {**accelerometer, 'index': n + i},
-                'coil': {**winding, 'index': i},
+                'coil': {
+                    **winding,
+                    **{key: values[i] for key, values in own.items()},
+                    **(coil or {}),
+                    'index': i,
+                },
             }
             for i, strut_name in enumerate(strut_names(n))
         },

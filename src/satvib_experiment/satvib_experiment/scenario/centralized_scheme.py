@@ -48,8 +48,8 @@ def take_gains(data: dict[str, Any], path: Path) -> None:
     data['centralized'] = {**gains, **own}
 
 
-def strut_angles(rig: AnyRig, where: str) -> list[float]:
-    """Give the angles of a rig's struts, deg.
+def geometry_of(rig: AnyRig, where: str) -> dict[str, Any]:
+    """Give what the centralized law knows of a rig: how many struts, and where they stand.
 
     Raises:
         SatvibError: a rig of identified models, which have no places.
@@ -59,7 +59,12 @@ def strut_angles(rig: AnyRig, where: str) -> list[float]:
             f'{where}: scheme: centralized needs a rig with a geometry; {rig.name} is one of '
             'identified models'
         )
-    return rig.struts.angles
+    if not rig.struts.each:
+        return {'struts': rig.struts.count, 'strut_angles': rig.struts.angles}
+    from satvib_plant_sim.rig.payload_modes import payload_modes
+
+    shapes = payload_modes(rig).strut
+    return {'struts': rig.struts.count, 'strut_shapes': [float(v) for v in shapes.ravel()]}
 
 
 def centralized_parameters(
@@ -73,7 +78,7 @@ def centralized_parameters(
 
     Args:
         name: of the scenario.
-        rig: gives the angles of the struts.
+        rig: gives the places of the struts.
         controller: parameters that both schemes have.
         centralized: parameters of this scheme, over those.
         shared: what all nodes of the loop have.
@@ -83,9 +88,8 @@ def centralized_parameters(
     """
     from satvib_control.laws.centralized.parameters import CentralizedParameters
 
-    angles = strut_angles(rig, f'scenario {name}')
+    own = geometry_of(rig, f'scenario {name}')
     common = {k: v for k, v in controller.items() if k not in _OF_STRUTS}
-    own = {'struts': len(angles), 'strut_angles': angles}
     return CentralizedParameters.from_mapping(
         {**common, **centralized, **shared, **own}, f'scenario {name}: centralized'
     )

@@ -43,6 +43,7 @@ _SET_BY = {
     'strut': 'every strut gets its own',
     'struts': 'the rig sets it, struts.count',
     'strut_angles': 'the rig sets it, struts.first_angle',
+    'strut_shapes': 'the rig sets it, struts.each',
 }
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from satvib_plant_sim.disturbance.factory import disturbance_kinds, make_disturbance
     from satvib_plant_sim.disturbance.mixer import Mixer
     from satvib_plant_sim.disturbance.random import Random
-    from satvib_plant_sim.disturbance.reaction_wheel import ReactionWheel
+    from satvib_plant_sim.disturbance.reaction_wheel import MountedWheel, ReactionWheel
     from satvib_plant_sim.disturbance.shapes import Burst, Pulse, Trapezoid
     from satvib_plant_sim.disturbance.silence import Silence
     from satvib_plant_sim.disturbance.sine import Sine
@@ -23,6 +23,7 @@ __all__ = [
     'Burst',
     'Disturbance',
     'Mixer',
+    'MountedWheel',
     'Pulse',
     'Random',
     'ReactionWheel',

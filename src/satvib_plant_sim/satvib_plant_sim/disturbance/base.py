@@ -4,7 +4,9 @@
 
 A disturbance is a function of the fine index alone: with h the fine period, t = (n - n_start) h and n_start the fine
 point nearest to `start`. So any sample can be asked for in any order and gives the same bits. It acts on the base
-(acceleration of the shaker's source, m/s^2) or as a force on the payload (N).
+(acceleration of the shaker's source, m/s^2) or as a force on the payload (N), along z, or as `direction` says: the
+base moves by `direction` times the disturbance along x, y, z and about them (rad/s^2), the payload gets such forces
+and moments (N m).
 
 The amplitude of a kind with fixed frequencies is the *lower plate's* acceleration with control off: each tone is
 divided by |T(jw)|, T from the source to the lower plate of the rig at 0 V. Kinds without fixed frequencies are not
@@ -24,6 +26,8 @@ from satvib_common.schema import Schema, param
 from satvib_plant_sim.disturbance.window import Window
 
 Transfer = Callable[[float], float]
+
+UPWARD = (0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 # of the highest frequency, on the grid of the truth: less would make a tone lower by more than 0.2 %
 POINTS_PER_PERIOD = 40
@@ -69,13 +73,35 @@ class Disturbance(Schema):
     start: float = param(0.0, 'begins', unit='s', minimum=0.0)
     stop: float | None = param(None, 'ends; none: never', unit='s')
     target: str = param('base', 'what it acts on', choices=('base', 'payload'))
+    direction: tuple[float, ...] = param(
+        (), 'factors along x, y, z, or along and about them; none: along z'
+    )
 
     KERNEL: ClassVar[Any] = None
 
     def check(self) -> None:
-        """Refuse an end before the beginning."""
+        """Refuse an end before the beginning, and a direction that is none."""
         if self.stop is not None and self.stop <= self.start:
             raise SatvibError(f'stop: {self.stop} s is not after start, {self.start} s')
+        if self.direction and (len(self.direction) not in {3, 6} or not any(self.direction)):
+            raise SatvibError('direction: 3 or 6 numbers are expected, not all of them 0')
+
+    def weights(self, directions: int) -> tuple[float, ...]:
+        """Give the factors in the directions of a rig, 1 (along z) or 6.
+
+        Raises:
+            SatvibError: the rig has no such direction.
+        """
+        given = (*self.direction, 0.0, 0.0, 0.0)[:6] if self.direction else UPWARD
+        if directions == 6:
+            return given
+        if any(given[:2]) or any(given[3:]):
+            shown = ', '.join(f'{d:g}' for d in self.direction)
+            raise SatvibError(
+                f'disturbance: direction: {shown}: the struts of this rig stand on a circle; it moves along z alone; '
+                'a rig that lists its struts has six directions'
+            )
+        return (given[2],)
 
     def tones(self) -> tuple[float, ...]:
         """Give the fixed frequencies, Hz; empty for a kind without any."""

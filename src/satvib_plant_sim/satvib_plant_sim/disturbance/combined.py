@@ -19,9 +19,9 @@ class Sum(Disturbance):
     terms: tuple[Any, ...] = param(description='the disturbances to add')
 
     def check(self) -> None:
-        """Refuse times or a target of the sum itself, and terms that are not disturbances."""
-        if self.start or self.stop is not None or self.target != 'base':
-            raise SatvibError('sum: start, stop and target belong to its terms')
+        """Refuse times, a target or a direction of the sum itself, and terms that are not disturbances."""
+        if self.start or self.stop is not None or self.target != 'base' or self.direction:
+            raise SatvibError('sum: start, stop, target and direction belong to its terms')
         for i, term in enumerate(self.terms):
             if not isinstance(term, Disturbance):
                 raise SatvibError(f'terms[{i}]: a disturbance is expected, not {term!r}')

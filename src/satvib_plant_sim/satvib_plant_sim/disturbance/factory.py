@@ -11,7 +11,7 @@ from satvib_common.schema import shown
 from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.disturbance.combined import Sum
 from satvib_plant_sim.disturbance.random import Random
-from satvib_plant_sim.disturbance.reaction_wheel import ReactionWheel
+from satvib_plant_sim.disturbance.reaction_wheel import MountedWheel, ReactionWheel
 from satvib_plant_sim.disturbance.shapes import Burst, Pulse, Trapezoid
 from satvib_plant_sim.disturbance.silence import Silence
 from satvib_plant_sim.disturbance.sine import Sine
@@ -25,6 +25,7 @@ _KINDS: dict[str, type[Disturbance]] = {
     'sweep': Sweep,
     'random': Random,
     'reaction_wheel': ReactionWheel,
+    'mounted_wheel': MountedWheel,
     'pulse': Pulse,
     'trapezoid': Trapezoid,
     'burst': Burst,

@@ -87,19 +87,21 @@ def lsb(full_scale: float, bits: int) -> float:
 
 
 @kernel(
-    'void(f8[:],f8[:],f8[:],f8[:],f8[:,:],f8[:],f8[:])',
-    '(r),(s),(m),(m),(m,q)->(m),(m)',
+    'void(f8[:],f8,f8[:],f8[:],f8[:],f8[:,:],f8[:],f8[:])',
+    '(r),(),(s),(m),(m),(m,q)->(m),(m)',
 )
-def read_input(chains, settings, bias, scale, noise, reading, clipped):
-    """Read the 2n converters (upper, then lower) from the ends of the sensor chains (4) and the noise states (2n, c).
+def read_input(chains, lower, settings, bias, scale, noise, reading, clipped):
+    """Read the 2n converters (upper, then lower) from the ends of the sensor chains (r) and the noise states (2n, c).
 
-    Chain i belongs to upper sensor i; chain n serves all lower sensors. `clipped` is 1 where a reading is clipped.
+    Chain i belongs to upper sensor i. There are `lower` chains of lower sensors: one for all of them, or n. `clipped`
+    is 1 where a reading is clipped.
     """
     n = bias.shape[0] // 2
+    last_chain = n + int(lower) - 1
     last = noise.shape[1] - 1
     s = InputSettings(settings[0], settings[1], settings[2], settings[3], settings[4])
     for i in range(2 * n):
-        y = chains[min(n, i)] + noise[i, last]
+        y = chains[min(last_chain, i)] + noise[i, last]
         at_end = abs(y) >= (1.0 - MARGIN) * s.range
         y = scale[i] * min(max(y, -s.range), s.range)
         volts = s.zero_voltage + s.sensitivity * (bias[i] + y)

@@ -3,20 +3,28 @@
 """Continuous-time equations of the isolator (the paper's Figs. 1-2) with coils and shaker.
 
 Coordinates are relative to the shaker's source, whose acceleration a_d is prescribed: it enters as an inertial force
-and nothing integrates to drift. Strut i stands at (x_i, y_i); the payload moves it by w_i = w + y_i alpha - x_i beta,
-the lower plate by z; its stroke is s_i = w_i - z. With
+and nothing integrates to drift. Strut i follows its unit vector; the payload's motions q move its head by J q, those of
+the lower plate, z, its foot by P z (`rig/geometry`); its stroke is s = J q - P z. With
 
-    f_i = -K_i s_i - C_i s_i' + k_i i_i + F_i          force on the payload at strut i; the lower plate gets -f_i
-    H   = S M^-1 S^T,  M = diag(m, J, J),  S = rows [1, y_i, -x_i]
-    a   = H f + h F_p                                  absolute acceleration of the upper plate at the struts
-    a_l = (-sum f_i - k_s z - c_s z') / m_l            absolute acceleration of the lower plate
-    s'' = a - a_l,   z'' = a_l - a_d                   (rigid shaker: a_l = a_d, z = 0)
+    f_i = -K_i s_i - C_i s_i' + k_i i_i + F_i          force on the payload along strut i; the lower plate gets -f_i
+    H   = J M^-1 J^T
+    a   = H f + h F_p,  h = J M^-1 G                   absolute acceleration of the upper plate along the struts
+    a_l = (-P^T f - k_s z - c_s z') / m_l              absolute acceleration of the lower plate, P a_l along the struts
+    s'' = a - P a_l,   z'' = a_l - a_d                 (rigid shaker: a_l = a_d, z = 0)
     L i' = V - R i - k s'                              voltage drive
     i' = w_a (g V - i)                                 current drive
 
-State: s (n), s' (n), i (n), z, z'. Inputs: V (n), a_d, F_p, F (n); F_p is a force on the payload, F a corrective force
-between the plates of a strut (stops, coil limit). For one strut M = m and S = 1. `state_of` and `input_columns` say
+Struts on a circle push along z: q = (w, alpha, beta), M = diag(m, J, J), rows of J are [1, y_i, -x_i], z is one number
+and P is ones. For one strut M = m and J = 1. Listed struts have up to six motions of the payload and six of the lower
+plate; its suspension has the same k_s / m_l and c_s / m_l in all of them.
+
+State: s (n), s' (n), i (n), z (b), z' (b). Inputs: V (n), a_d (b), F_p (p), F (n); F_p are forces and moments on the
+payload, F a corrective force between the plates of a strut (stops, coil limit). `state_of` and `input_columns` say
 where each of them stands.
+
+With more struts than motions the strokes depend on each other. Rounding would make them part slowly, so what no motion
+of the payload explains, N s with N = I - J J^+, is brought back: s'' gets -w^2 N s - 2 w N s' (Baumgarte 1972, Comp.
+Meth. Appl. Mech. Eng. 1, 1), which is 0 for strokes that a payload can have.
 """
 
 import math
@@ -25,24 +33,36 @@ from typing import NamedTuple
 
 import numpy as np
 from satvib_common.arrays import Array
-from satvib_common.struts.motions import motion_matrix
-from satvib_common.struts.names import strut_angles
 
-from satvib_plant_sim.physics.state import state_of, state_size
+from satvib_plant_sim.physics.state import Size, lower_readings, size_of, state_of, state_size
+from satvib_plant_sim.rig.geometry import (
+    force_matrix,
+    mass_matrix,
+    payload_matrix,
+    plate_masses,
+    plate_matrix,
+)
 from satvib_plant_sim.rig.rig import Rig
+
+_RETURN = 1000.0  # w, rad/s: how fast strokes come back that no payload can have
 
 
 @dataclass(frozen=True)
 class Mechanics:
-    """x' = A x + B u, y = C x + D u with y = a (n), a_l; and what the nonlinear parts need.
+    """x' = A x + B u, y = C x + D u with y = a (n), P a_l (l); and what the nonlinear parts need.
 
     Attributes:
-        A, B, C, D: see the module; sizes 3n+2, 2n+2 inputs, n+1 outputs.
-        H: (n, n) 1/kg, acceleration of the payload at struts per force at struts.
-        h: (n,) 1/kg, the same per disturbance force.
-        S: (n, dof) from (w, alpha, beta) to w_i.
+        A, B, C, D: see the module; sizes 3n+2b, 2n+b+p inputs, n+l outputs. l is 1 where all lower sensors read the
+            same, as under struts on a circle, else n.
+        H: (n, n) 1/kg, acceleration of the payload along struts per force along struts.
+        h: (n, p) 1/kg and 1/(kg m), the same per disturbance force and moment.
+        S: (n, dof) J, from the payload's motions to the heads.
+        P: (n, b) from the lower plate's motions to the feet.
         M: (dof, dof) kg, kg m^2.
+        m_l: (b,) kg, kg m^2, masses of the lower plate.
         K, C_strut, k: (n,) stiffness, damping and force constant of each strut.
+        stroke_limit, force_limit: (n,) m, N.
+        L: (n,) H.
     """
 
     A: Array
@@ -52,93 +72,103 @@ class Mechanics:
     H: Array
     h: Array
     S: Array
+    P: Array
     M: Array
+    m_l: Array
     K: Array
     C_strut: Array
     k: Array
+    stroke_limit: Array
+    force_limit: Array
+    L: Array
 
 
 class InputColumns(NamedTuple):
-    """Where the inputs stand: voltages V, base a_d, force on the payload F_p, corrective forces F."""
+    """Where the inputs stand: voltages V, base a_d, forces on the payload F_p, corrective forces F."""
 
     voltage: slice
-    base: int
-    payload: int
+    base: slice
+    payload: slice
     force: slice
 
 
-def input_columns(n: int) -> InputColumns:
-    """Give the columns of the inputs of n struts."""
-    return InputColumns(voltage=slice(0, n), base=n, payload=n + 1, force=slice(n + 2, 2 * n + 2))
+def input_columns(size: Size) -> InputColumns:
+    """Give the columns of the inputs of a rig of a size."""
+    n, b, p = size
+    return InputColumns(
+        voltage=slice(0, n),
+        base=slice(n, n + b),
+        payload=slice(n + b, n + b + p),
+        force=slice(n + b + p, 2 * n + b + p),
+    )
 
 
-def geometry(rig: Rig) -> Array:
-    """Give S (n, dof): what the payload's motions (w, alpha, beta) move at each strut."""
-    n = rig.struts.count
-    if n == 1:
-        return np.ones((1, 1))
-    angles = strut_angles(n, math.radians(rig.struts.first_angle), turn=2.0 * math.pi)
-    return motion_matrix(angles, rig.struts.radius)
-
-
-def mass_matrix(rig: Rig) -> Array:
-    """Give M (dof, dof) of the payload: kg, kg m^2."""
-    m = rig.payload.mass
-    if rig.struts.count == 1:
-        return np.array([[m]])
-    inertia = rig.payload.inertia
-    if inertia is None:
-        inertia = 0.55 * m * rig.struts.radius**2
-    return np.diag([m, inertia, inertia])
+def _each(rig: Rig, name: str, common: float, scale: tuple[float, ...] | None = None) -> Array:
+    """Give a quantity of every strut (n,)."""
+    values = np.array(rig.struts.own(name, common))
+    return values if scale is None else values * np.array(scale[: rig.struts.count])
 
 
 def mechanics(rig: Rig) -> Mechanics:
     """Assemble the equations of a rig."""
-    n = rig.struts.count
-    S, M = geometry(rig), mass_matrix(rig)
-    inverse = np.diag(1.0 / np.diag(M))
+    size = size_of(rig)
+    n, b, p = size
+    payload, struts, coil, shaker = rig.payload, rig.struts, rig.coil, rig.shaker
+    S, P, M = payload_matrix(payload, struts), plate_matrix(struts), mass_matrix(payload, struts)
+    m_l = plate_masses(shaker, struts)
+    inverse = np.linalg.inv(M)
     H = S @ inverse @ S.T
-    point = np.array([1.0, rig.payload.force_y, -rig.payload.force_x])[: S.shape[1]]
-    h = S @ inverse @ point
-    K = rig.struts.stiffness * np.array(rig.struts.stiffness_scale[:n])
-    C = rig.struts.damping * np.array(rig.struts.damping_scale[:n])
-    k = rig.coil.force_constant * np.array(rig.coil.force_scale[:n])
+    forces = np.ascontiguousarray(force_matrix(payload, struts).T)
+    h = np.stack([S @ inverse @ force for force in forces], axis=1)
+    K = _each(rig, 'stiffness', struts.stiffness, struts.stiffness_scale)
+    C = _each(rig, 'damping', struts.damping, struts.damping_scale)
+    k = _each(rig, 'force_constant', coil.force_constant, coil.force_scale)
+    R, L = _each(rig, 'resistance', coil.resistance), _each(rig, 'inductance', coil.inductance)
 
-    size, inputs = state_size(n), 2 * n + 2
-    s, v, i, (z, vz) = state_of(np.arange(size), n)
-    u = input_columns(n)
+    states, inputs = state_size(size), 2 * n + b + p
+    s, v, i, z, vz = state_of(np.arange(states), size)
+    u = input_columns(size)
+    base = np.arange(u.base.start, u.base.stop)
     # strut forces as rows over the state and over the inputs
-    fx, fu = np.zeros((n, size)), np.zeros((n, inputs))
+    fx, fu = np.zeros((n, states)), np.zeros((n, inputs))
     fx[s, s], fx[s, v], fx[s, i] = -K, -C, k
     fu[:, u.force] = np.eye(n)
     ax, au = H @ fx, H @ fu
     au[:, u.payload] = h
-    shaker = rig.shaker
-    lx, lu = np.zeros(size), np.zeros(inputs)
+    # accelerations of the lower plate likewise
+    lx, lu = np.zeros((b, states)), np.zeros((b, inputs))
     if shaker.rigid:
-        lu[u.base] = 1.0
+        lu[:, u.base] = np.eye(b)
     else:
-        lx = -fx.sum(axis=0)
-        lx[z] -= shaker.stiffness
-        lx[vz] -= shaker.damping
-        lx, lu = lx / shaker.mass, -fu.sum(axis=0) / shaker.mass
+        lx = -(P.T @ fx)
+        each = np.arange(b)
+        lx[each, z] -= shaker.stiffness * (m_l / shaker.mass)
+        lx[each, vz] -= shaker.damping * (m_l / shaker.mass)
+        lx, lu = lx / m_l[:, None], -(P.T @ fu) / m_l[:, None]
 
-    A, B = np.zeros((size, size)), np.zeros((size, inputs))
+    A, B = np.zeros((states, states)), np.zeros((states, inputs))
     A[s, v] = 1.0
-    A[v], B[v] = ax - lx, au - lu
+    A[v], B[v] = ax - P @ lx, au - P @ lu
+    if n > S.shape[1]:
+        apart = np.eye(n) - S @ np.linalg.pinv(S)
+        A[np.ix_(v, s)] -= _RETURN * _RETURN * apart
+        A[np.ix_(v, v)] -= 2.0 * _RETURN * apart
     if not shaker.rigid:
         A[z, vz] = 1.0
         A[vz], B[vz] = lx, lu
-        B[vz, u.base] -= 1.0
-    if rig.coil.drive == 'voltage':
-        A[i, i] = -rig.coil.resistance / rig.coil.inductance
-        A[i, v] = -k / rig.coil.inductance
-        B[i, u.voltage] = np.eye(n) / rig.coil.inductance
+        B[vz, base] -= 1.0
+    if coil.drive == 'voltage':
+        A[i, i] = -R / L
+        A[i, v] = -k / L
+        B[i, u.voltage] = np.eye(n) / L[:, None]
     else:
-        wa = 2.0 * math.pi * rig.coil.bandwidth
+        wa = 2.0 * math.pi * coil.bandwidth
         A[i, i] = -wa
-        B[i, u.voltage] = np.eye(n) * (wa * rig.coil.transconductance)
+        B[i, u.voltage] = np.eye(n) * (wa * coil.transconductance)
+    rows = P[: lower_readings(size)]
     return Mechanics(
-        A=A, B=B, C=np.vstack([ax, lx]), D=np.vstack([au, lu]),
-        H=H, h=h, S=S, M=M, K=K, C_strut=C, k=k,
+        A=A, B=B, C=np.vstack([ax, rows @ lx]), D=np.vstack([au, rows @ lu]),
+        H=H, h=h, S=S, P=P, M=M, m_l=m_l, K=K, C_strut=C, k=k,
+        stroke_limit=_each(rig, 'stroke_limit', struts.stroke_limit),
+        force_limit=_each(rig, 'force_limit', coil.force_limit), L=L,
     )  # fmt: skip

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The payload on its struts: stiffness, modes, and the free response of each strut.
 
-K_0 = S^T diag(K_i) S,   det(K_0 - (2 pi f)^2 M) = 0   (lower plate held)
+K_0 = J^T diag(K_i) J,   det(K_0 - (2 pi f)^2 M) = 0   (lower plate held)
 """
 
 import math
@@ -11,12 +11,12 @@ import numpy as np
 from satvib_common.arrays import Array
 
 from satvib_plant_sim.physics.mechanics import mechanics
-from satvib_plant_sim.physics.state import PlateSlot, state_of, state_size
+from satvib_plant_sim.physics.state import size_of, state_of, state_size
 from satvib_plant_sim.rig.rig import Rig
 
 
 def static_stiffness(rig: Rig) -> Array:
-    """Give K_0 (dof, dof) in (w, alpha, beta): N/m, N, N m; the lower plate is held."""
+    """Give K_0 (dof, dof) in the payload's motions: N/m, N, N m; the lower plate is held."""
     m = mechanics(rig)
     K: Array = (m.S.T * m.K) @ m.S
     return K
@@ -25,20 +25,25 @@ def static_stiffness(rig: Rig) -> Array:
 def modal_frequencies(rig: Rig) -> Array:
     """Give the payload's undamped modes (dof,), Hz, ascending; the lower plate is held and the coils are open."""
     m = mechanics(rig)
-    root = 1.0 / np.sqrt(np.diag(m.M))
-    values = np.linalg.eigvalsh(root[:, None] * static_stiffness(rig) * root[None, :])
+    root = np.linalg.inv(np.linalg.cholesky(m.M))
+    values = np.linalg.eigvalsh(root @ static_stiffness(rig) @ root.T)
     return np.sqrt(values) / (2.0 * math.pi)
 
 
 def equilibrium(rig: Rig, stroke: Array) -> Array:
-    """Give the state (3n + 2) at rest with strokes (n), m: the lower plate gives way to the struts."""
-    n = rig.struts.count
-    m = mechanics(rig)
-    x = np.zeros(state_size(n))
-    state = state_of(x, n)
+    """Give the state at rest with strokes (n), m: the lower plate gives way to the struts.
+
+    Struts that are more than the payload has motions get the strokes nearest to these that it can have.
+    """
+    size, m = size_of(rig), mechanics(rig)
+    x = np.zeros(state_size(size))
+    state = state_of(x, size)
+    if size.struts > m.S.shape[1]:
+        stroke = m.S @ np.linalg.lstsq(m.S, stroke)[0]
     state.stroke[:] = stroke
     if not rig.shaker.rigid:
-        state.plate[PlateSlot.POSITION] = np.sum(m.K * stroke) / rig.shaker.stiffness
+        force = np.sum(m.P * (m.K * stroke)[:, None], axis=0)
+        state.plate[:] = force / (rig.shaker.stiffness * (m.m_l / rig.shaker.mass))
     return x
 
 
@@ -51,19 +56,20 @@ def free_response(rig: Rig, duration: float = 0.15, heave: float = 1e-3) -> tupl
         heave: m, stroke of every strut at the beginning.
 
     Returns:
-        Times (t,), s, every 0.25 ms, and the motions w_i (n, t), m, relative to the source.
+        Times (t,), s, every 0.25 ms, and the motions w_i (n, t), m, of the heads along the struts, relative to the
+        source.
     """
     from scipy.linalg import expm  # a plant that runs needs no SciPy
 
-    n = rig.struts.count
+    size, m = size_of(rig), mechanics(rig)
     h = 0.25e-3
-    E = expm(mechanics(rig).A * h)
-    x = equilibrium(rig, np.full(n, heave))
+    E = expm(m.A * h)
+    x = equilibrium(rig, np.full(size.struts, heave))
     times = np.arange(round(duration / h), dtype=np.float64) * h
-    motion = np.empty((n, len(times)))
+    motion = np.empty((size.struts, len(times)))
     for j in range(len(times)):
-        state = state_of(x, n)
-        motion[:, j] = state.stroke + state.plate[PlateSlot.POSITION]
+        state = state_of(x, size)
+        motion[:, j] = state.stroke + m.P @ state.plate
         x = E @ x
     return times, motion
 

@@ -55,6 +55,7 @@ def trials_of(
 def agree(rigs: Sequence[Rig]) -> None:
     """Refuse a batch whose trials do not run in step."""
     require_equal('struts.count', {r.struts.count for r in rigs})
+    require_equal('struts.each (listed struts)', {len(r.struts.each) for r in rigs})
     require_equal('acquisition.sample_rate', {r.acquisition.sample_rate for r in rigs})
     steps = {r.acquisition.fine_steps for r in rigs}
     require_equal('acquisition.fine_rate (as fine steps)', steps)

@@ -27,14 +27,14 @@ from satvib_plant_sim.physics.converters import (
 from satvib_plant_sim.physics.energy import stored_energy
 from satvib_plant_sim.physics.modes import equilibrium
 from satvib_plant_sim.physics.noise import NoiseModel, NormalSource, advance_noise, noise_model
-from satvib_plant_sim.physics.state import state_size
+from satvib_plant_sim.physics.state import lower_readings, size_of, state_size
 from satvib_plant_sim.plant.batch import agree, checked_voltage, trials_of
 from satvib_plant_sim.plant.latency import VoltageQueue, measured_events
 from satvib_plant_sim.plant.observation import Sample, Truth
 from satvib_plant_sim.responses.continuous import source_transfer
 from satvib_plant_sim.rig.rig import Rig
 from satvib_plant_sim.rig.streams import Stream
-from satvib_plant_sim.stepping.design import LANES, DesignArrays
+from satvib_plant_sim.stepping.design import DesignArrays, layout_of
 from satvib_plant_sim.stepping.discretize import discretize
 from satvib_plant_sim.stepping.hold import resting_ramps
 from satvib_plant_sim.stepping.period import advance_period
@@ -50,7 +50,7 @@ class Plant:
             which single ones are shared. All rigs of a batch agree in struts, sample rate, fine steps and the order
             of the anti-alias filter.
 
-    A trial holds 30 to 55 kB, with random disturbances up to 50 kB more, however long it runs.
+    A trial holds 30 to 55 kB (six struts: 150 kB), with random disturbances up to 50 kB more, however long it runs.
 
     Raises:
         SatvibError: lengths or rigs that do not agree, a seed below 0.
@@ -69,7 +69,9 @@ class Plant:
         agree(rigs)
         self._disturbances, self._seeds = list(disturbances), seeds
         self._first_rigs = self.rigs
-        self.struts = first.struts.count
+        self._size = size_of(first)
+        self._layout = layout_of(self._size)
+        self.struts = self._size.struts
         self.dt = first.acquisition.period
         self.n_fine = first.acquisition.fine_steps
         self.fine_period = self.dt / self.n_fine
@@ -103,7 +105,10 @@ class Plant:
         for disturbance in self._disturbances:
             disturbance.check_points(1.0 / self.fine_period)
         transfers = [partial(source_transfer, r) for r in rigs]
-        return Mixer(self._disturbances, self._seeds, transfers, self.fine_period, self.n_fine)
+        directions = self._size.plate, self._size.payload
+        return Mixer(
+            self._disturbances, self._seeds, transfers, self.fine_period, self.n_fine, directions
+        )
 
     def change(self, rigs: Mapping[int, Rig], disturbances: Mapping[int, Disturbance]) -> None:
         """Change trials from the present sample on; what moves keeps its motion.
@@ -137,7 +142,7 @@ class Plant:
         strokes = np.broadcast_to(np.asarray(stroke, dtype=float), (*self.shape, n))
         self._state[:] = 0.0
         for i, (rig, s) in enumerate(zip(self.rigs, strokes.reshape(trials, n), strict=True)):
-            self._state[i, : state_size(n)] = equilibrium(rig, s)
+            self._state[i, : state_size(self._size)] = equilibrium(rig, s)
 
     def energy(self) -> Array:
         """Give the energy stored in mechanics, stops and coils (*shape), J."""
@@ -148,8 +153,9 @@ class Plant:
 
     def sample(self) -> Sample:
         """Read the converters at the present sample; asking again gives the same."""
-        chains = self._state[:, -LANES:]
-        reading, ends = read_input(chains, self._input, self._bias, self._scale, self._noise)
+        chains = self._state[:, -self._layout.lanes :]
+        lower = float(lower_readings(self._size))
+        reading, ends = read_input(chains, lower, self._input, self._bias, self._scale, self._noise)
         clipped = ends > 0.0
         n = self.struts
         shape = (*self.shape, n)
@@ -188,7 +194,7 @@ class Plant:
             event = measured_events(stated.reshape(trials, n), self.fine_period, self.n_fine)
             command = terminal
         upper = np.empty((trials, n, self.n_fine))
-        lower = np.empty((trials, self.n_fine))
+        lower = np.empty((trials, lower_readings(self._size), self.n_fine))
         stroke, stroke_peak, force_peak, current = advance_period(
             *self._designs,
             command,
@@ -205,7 +211,7 @@ class Plant:
         advance_noise(noise.step, noise.drive, self._normals(k + 1), self._noise)
         shape = (*self.shape, n)
         fine = (*shape, self.n_fine)
-        below = np.broadcast_to(lower.reshape(*self.shape, 1, self.n_fine), fine)
+        below = np.broadcast_to(lower.reshape(*self.shape, -1, self.n_fine), fine)
         return Truth(
             upper=upper.reshape(fine),
             lower=below,

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex
 
 from satvib_plant_sim.physics.mechanics import input_columns
+from satvib_plant_sim.physics.state import size_of
 from satvib_plant_sim.responses.continuous import state_space
 from satvib_plant_sim.responses.one_strut import hold_taps
 from satvib_plant_sim.rig.rig import Rig
@@ -54,11 +55,11 @@ class SampledRig:
 
 def sampled_rig(rig: Rig) -> SampledRig:
     """Give the sampled model of a rig, all struts together."""
-    n, T = rig.struts.count, rig.acquisition.period
+    size, T = size_of(rig), rig.acquisition.period
     system = state_space(rig)
-    A, B = system.A, system.B[:, input_columns(n).voltage]
+    A, B = system.A, system.B[:, input_columns(size).voltage]
     whole, taps, late = hold_taps(A, B, rig.acquisition)
-    C = system.C[output_rows(n).read_upper]
+    C = system.C[output_rows(size).read_upper]
     return SampledRig(A=whole, B=np.stack(taps), C=C, late=late, dt=T)
 
 
@@ -70,8 +71,9 @@ class RigResponse:
         frequency: (f,) Hz.
         read_voltage: (f, n, n) m/s^2 per V, readings per sampled voltage.
         true_voltage: (f, n, n) m/s^2 per V, upper plate at the struts per sampled voltage, baseband.
-        read_source: (f, n, 2) readings per acceleration of the source and per N on the payload.
-        true_source: (f, n, 2) the upper plate likewise.
+        read_source: (f, n, 2) readings per acceleration of the source and per N on the payload; of listed struts
+            (f, n, 12), six directions of each.
+        true_source: (f, n, 2) or (f, n, 12), the upper plate likewise.
     """
 
     frequency: Array
@@ -84,15 +86,15 @@ class RigResponse:
 def rig_response(rig: Rig, frequency: ArrayLike) -> RigResponse:
     """Give the responses of a rig at (f,) Hz, none of them 0."""
     f = np.asarray(frequency, dtype=float)
-    n, T = rig.struts.count, rig.acquisition.period
+    size, T = size_of(rig), rig.acquisition.period
     system = state_space(rig)
     s = 2j * math.pi * f
     inner = s[:, None, None] * np.eye(len(system.A)) - system.A
     inside = np.linalg.solve(inner, system.B[None])
     both = np.asarray(system.C @ inside + system.D, dtype=complex)
-    rows, u = output_rows(n), input_columns(n)
+    rows, u = output_rows(size), input_columns(size)
     true, read = both[:, rows.upper], both[:, rows.read_upper]
-    source = slice(u.base, u.payload + 1)
+    source = slice(u.base.start, u.payload.stop)
     step = (1.0 - np.exp(-s * T)) / (s * T)
     hold = step if rig.acquisition.hold == 'zero' else step * step
     hold = hold * np.exp(-s * rig.acquisition.input_delay)

@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex
 
 from satvib_plant_sim.physics.mechanics import input_columns, mechanics
-from satvib_plant_sim.physics.state import state_size
+from satvib_plant_sim.physics.state import size_of, state_of
 from satvib_plant_sim.rig.rig import Rig
-from satvib_plant_sim.stepping.design import DRIVING, LANES
+from satvib_plant_sim.rig.structure import MOTIONS
+from satvib_plant_sim.stepping.design import layout_of
 from satvib_plant_sim.stepping.discretize import full_system, output_rows
 
 
@@ -25,8 +26,10 @@ class StateSpace:
 
     Attributes:
         A, B, C, D: matrices; without stops and limits.
-        inputs: voltage_1.. (V), base (m/s^2, the source), payload (N).
-        outputs: upper_1.., lower (m/s^2, true), then read_upper_1.., read_lower (m/s^2, at the converters).
+        inputs: voltage_1.. (V), base (m/s^2, the source), payload (N); of listed struts base_x, .., base_rz (m/s^2,
+            rad/s^2), payload_x, .., payload_rz (N, N m).
+        outputs: upper_1.., lower (m/s^2, true), then read_upper_1.., read_lower (m/s^2, at the converters); of listed
+            struts lower_1.. and read_lower_1..
     """
 
     A: Array
@@ -39,20 +42,24 @@ class StateSpace:
 
 def state_space(rig: Rig) -> StateSpace:
     """Give the continuous-time linear rig with its sensor chains."""
-    n = rig.struts.count
-    system = full_system(rig)
-    lanes = (np.arange(len(system.A)) - DRIVING) % LANES
+    size = size_of(rig)
+    system, layout = full_system(rig), layout_of(size)
+    read = len(system.C) // 2
     index = np.arange(len(system.A))
-    used = (index < state_size(n)) | ((index >= DRIVING) & (lanes <= n))
-    u = slice(0, input_columns(n).payload + 1)
-    struts = [str(i + 1) for i in range(n)]
-    true = [*(f'upper_{i}' for i in struts), 'lower']
+    lanes = (index - layout.driving) % layout.lanes
+    used = (index < layout.state) | ((index >= layout.driving) & (lanes < read))
+    u = slice(0, input_columns(size).payload.stop)
+    struts = [str(i + 1) for i in range(size.struts)]
+    listed = size.plate > 1
+    true = [*(f'upper_{i}' for i in struts), *(f'lower_{i}' for i in struts if listed)]
+    true += [] if listed else ['lower']
+    sources = [f'{body}_{m}' for body in ('base', 'payload') for m in MOTIONS]
     return StateSpace(
         A=system.A[np.ix_(used, used)],
         B=system.B[used, u],
         C=system.C[:, used],
         D=system.D[:, u],
-        inputs=(*(f'voltage_{i}' for i in struts), 'base', 'payload'),
+        inputs=(*(f'voltage_{i}' for i in struts), *(sources if listed else ('base', 'payload'))),
         outputs=(*true, *(f'read_{name}' for name in true)),
     )
 
@@ -69,16 +76,29 @@ def frequency_response(rig: Rig, frequency: ArrayLike) -> Complex:
     return np.array(flat, dtype=complex).reshape(*f.shape, *system.D.shape)
 
 
-def source_transfer(rig: Rig, frequency: float) -> float:
+def source_transfer(
+    rig: Rig, frequency: float, direction: tuple[float, ...] | None = None
+) -> float:
     """Give |T(jw)| from the source's acceleration to the lower plate's, at 0 V.
 
     Args:
         rig: the rig.
         frequency: Hz.
+        direction: listed struts: factors of the source along and about x, y, z (6); T is the motion of the plate in
+            that direction, with metres and radians taken together by the masses of the plate.
     """
     m = mechanics(rig)
-    n = rig.struts.count
-    base, lower = input_columns(n).base, output_rows(n).lower
+    size = size_of(rig)
+    base, lower = input_columns(size).base, output_rows(size).lower
     s = 2j * math.pi * frequency
-    x = np.linalg.solve(s * np.eye(len(m.A)) - m.A, m.B[:, base])
-    return float(abs(m.C[lower] @ x + m.D[lower, base]))
+    inner = s * np.eye(len(m.A)) - m.A
+    if direction is None:
+        x = np.linalg.solve(inner, m.B[:, base.start])
+        return float(abs(m.C[lower.start] @ x + m.D[lower.start, base.start]))
+    if rig.shaker.rigid:
+        return 1.0
+    d = np.array(direction)
+    x = np.linalg.solve(inner, m.B[:, base] @ d)
+    # the plate moves by the source's motion and its own, s^2 z
+    moved = d + s * s * state_of(x, size).plate
+    return float(abs(d @ (m.m_l * moved)) / (d @ (m.m_l * d)))

@@ -27,8 +27,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex
 
+from satvib_plant_sim.physics.state import size_of
 from satvib_plant_sim.responses.continuous import frequency_response
 from satvib_plant_sim.rig.rig import Acquisition, Rig
+from satvib_plant_sim.stepping.discretize import output_rows
 
 IMAGES = 60  # on either side; the rest is less than 1e-3 of the images
 
@@ -59,7 +61,8 @@ def lines(rig: Rig, strut_index: int, frequency: float) -> tuple[Complex, Comple
     response = (
         frequency_response(rig, at)[:, :, :n] * hold_response(rig.acquisition, at)[:, None, None]
     )
-    together, reading = response.sum(axis=-1), n + 1 + strut_index
+    together = response.sum(axis=-1)
+    reading = output_rows(size_of(rig)).read_upper.start + strut_index
     return together[:, strut_index], together[:, reading], response[:, reading, strut_index]
 
 

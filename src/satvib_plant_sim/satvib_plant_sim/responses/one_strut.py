@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Array, Complex
 
-from satvib_plant_sim.physics.state import state_size
+from satvib_plant_sim.physics.state import size_of, state_size
 from satvib_plant_sim.responses.continuous import state_space
 from satvib_plant_sim.rig.any_rig import AnyRig
 from satvib_plant_sim.rig.rig import Acquisition, Rig
@@ -113,14 +113,14 @@ def hold_taps(A: Array, B: Array, acquisition: Acquisition) -> tuple[Array, list
 
 def discrete_strut_model(rig: Rig, strut_index: int = 0) -> SampledModel:
     """Give the sampled model of one strut (index 0 is the first)."""
-    n, T = rig.struts.count, rig.acquisition.period
+    size, T = size_of(rig), rig.acquisition.period
     system = state_space(rig)
     # the mechanics and this strut's own sensor chain; the other chains act on nothing
-    size = state_size(n)
-    own = size + strut_index + (n + 1) * np.arange((len(system.A) - size) // (n + 1))
-    keep = np.concatenate([np.arange(size), own])
+    states, chains = state_size(size), len(system.C) // 2
+    own = np.arange(states + strut_index, len(system.A), chains)
+    keep = np.concatenate([np.arange(states), own])
     A, b = system.A[np.ix_(keep, keep)], system.B[keep, strut_index : strut_index + 1]
-    c = system.C[output_rows(n).read_upper, keep][strut_index]
+    c = system.C[output_rows(size).read_upper, keep][strut_index]
     whole, taps, late = hold_taps(A, b, rig.acquisition)
     return SampledModel(A=whole, B=np.hstack(taps), c=c, late=late, dt=T)
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     )
     from satvib_plant_sim.rig.fine_grid import fitted_grid
     from satvib_plant_sim.rig.identified_rig import IirRig
+    from satvib_plant_sim.rig.payload_modes import PayloadModes, payload_modes
     from satvib_plant_sim.rig.random_rig import random_build, random_parts, random_payload
     from satvib_plant_sim.rig.rig import Rig, load_rig, rig_names
     from satvib_plant_sim.rig.streams import Stream
@@ -23,11 +24,13 @@ if TYPE_CHECKING:
 __all__ = [
     'AnyRig',
     'IirRig',
+    'PayloadModes',
     'Rig',
     'Stream',
     'fitted_grid',
     'load_any_rig',
     'load_rig',
+    'payload_modes',
     'random_build',
     'random_parts',
     'random_payload',

@@ -4,8 +4,8 @@
 
 rig = load_rig('paper_3dof', {'payload.mass': 12.0, 'acquisition.hold': 'linear'})
 
-The rigs that come with the package are `rigs/*.yaml`; a path names a file of one's own. The equations that these
-numbers enter are in `mechanics`, `sensor_chain` and `period`.
+The rigs that come with the package are `rigs/*.yaml`; a path names a file of one's own. Payload, struts and shaker are
+in `structure`. The equations that these numbers enter are in `mechanics`, `sensor_chain` and `period`.
 """
 
 import math
@@ -20,51 +20,9 @@ from satvib_common.errors import SatvibError
 from satvib_common.files.yaml_file import load_yaml, parse_yaml
 from satvib_common.schema import Schema, param
 from satvib_common.settings_text import change_existing
-from satvib_common.struts.names import strut_angles
 
-
-@dataclass(frozen=True, kw_only=True)
-class Payload(Schema):
-    """The rigid upper plate with what sits on it; w, alpha and beta are its motions (the paper's Fig. 1)."""
-
-    mass: float = param(description='mass, coils included', unit='kg', above=0.0)
-    inertia: float | None = param(
-        None, 'moment of inertia about x and about y; none: 0.55 m r^2', unit='kg m^2', above=0.0
-    )
-    force_x: float = param(0.0, 'where a disturbance force acts on the payload, x', unit='m')
-    force_y: float = param(0.0, 'where a disturbance force acts on the payload, y', unit='m')
-
-
-@dataclass(frozen=True, kw_only=True)
-class Struts(Schema):
-    """Spring and damper of each strut (K_i and C_i of the paper's Fig. 2), and where the struts stand."""
-
-    count: int = param(description='struts: 3 move w, alpha, beta; 1 moves w', choices=(1, 3))
-    radius: float = param(0.15, 'distance of a strut from the axis', unit='m', above=0.0)
-    first_angle: float = param(90.0, 'angle of strut 1 from x; the others evenly on', unit='deg')
-    stiffness: float = param(description='stiffness of one strut', unit='N/m', above=0.0)
-    stiffness_scale: tuple[float, ...] = param(
-        (1.0, 1.0, 1.0), 'factor on the stiffness, strut by strut', above=0.0
-    )
-    damping: float = param(description='mechanical damping of one strut', unit='N s/m', minimum=0.0)
-    damping_scale: tuple[float, ...] = param(
-        (1.0, 1.0, 1.0), 'factor on the damping, strut by strut', minimum=0.0
-    )
-    stroke_limit: float = param(description='stroke to the stop, either way', unit='m', above=0.0)
-    stop_stiffness: float = param(description='stiffness of a stop', unit='N/m', above=0.0)
-    stop_damping: float = param(description='damping of a stop', unit='N s/m', minimum=0.0)
-
-    @property
-    def angles(self) -> list[float]:
-        """Angles of the struts from x, deg."""
-        return strut_angles(self.count, self.first_angle)
-
-    def check(self) -> None:
-        """Refuse factors that do not fit the struts."""
-        for name in ('stiffness_scale', 'damping_scale'):
-            given = len(getattr(self, name))
-            if given < self.count:
-                raise SatvibError(f'{name}: {given} factors for {self.count} struts')
+from satvib_plant_sim.rig.geometry import check_geometry
+from satvib_plant_sim.rig.structure import Payload, Shaker, Struts, factors
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,16 +43,6 @@ class Coil(Schema):
     bandwidth: float = param(1000.0, 'current drive: amplifier bandwidth', unit='Hz', above=0.0)
     gain: float = param(1.0, 'amplifier gain, converter output to terminals', above=0.0)
     voltage_limit: float = param(20.0, 'what the amplifier can give', unit='V', above=0.0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Shaker(Schema):
-    """What the lower plate stands on."""
-
-    rigid: bool = param(False, 'the lower plate follows the source, without reaction of the struts')
-    mass: float = param(description='armature and lower plate', unit='kg', above=0.0)
-    stiffness: float = param(description='from the source to the plate', unit='N/m', above=0.0)
-    damping: float = param(description='from the source to the plate', unit='N s/m', minimum=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,9 +123,10 @@ class Rig(Schema):
     def check(self) -> None:
         """Refuse what does not fit together."""
         count = self.struts.count
-        if len(self.coil.force_scale) < count:
-            given = len(self.coil.force_scale)
-            raise SatvibError(f'coil.force_scale: {given} factors for {count} struts')
+        scale = factors(self.coil.force_scale, self.struts, 'coil.force_scale')
+        if scale != self.coil.force_scale:
+            object.__setattr__(self, 'coil', self.coil.replace(force_scale=scale))
+        check_geometry(self.payload, self.struts)
         late = self.acquisition.periods_late
         if len(late) != 1 and len(late) != count:
             raise SatvibError(f'acquisition.periods_late: {len(late)} numbers for {count} struts')

@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a fine step works on: the layout of a row, and the constants of one rig.
 
-A row (R numbers) begins with sixteen slots that drive everything: the state of mechanics and coils (3n + 2), then
-`DriveSlot`, then unused ones. The sensor chains follow, stage by stage, with four lanes each: the n upper sensors and
-the lower one. The lower plate is one body, so its chain serves all struts.
+A row (R numbers) begins with the slots that drive everything: the state of mechanics and coils (3n + 2b), then
+`DriveSlot` with b numbers for the base at the start of the step and b at its end, then unused ones up to a multiple of
+four, at least sixteen. The sensor chains follow, stage by stage, with one lane each for the n upper sensors and for the
+lower ones, up to a multiple of four. Under struts on a circle the lower sensors have one lane for all of them: there
+the lower plate moves along z alone.
 """
 
 from enum import IntEnum
@@ -13,10 +15,44 @@ from typing import Any, NamedTuple
 from satvib_common.arrays import Array
 from satvib_common.kernels.deferred import njit
 
-from satvib_plant_sim.physics.state import compiled_state_of
+from satvib_plant_sim.physics.state import Size, compiled_state_of, lower_readings, state_size
 
-DRIVING = 16  # slots of a row before the sensor chains
-LANES = 4  # sensor chains of a row
+WIDTH = 4  # numbers that one instruction works on
+
+
+def _whole(count: int) -> int:
+    return -(-count // WIDTH) * WIDTH
+
+
+class Layout(NamedTuple):
+    """Where a row's parts begin and end.
+
+    Attributes:
+        state: numbers of the state.
+        inputs: numbers of `DriveSlot` behind it.
+        driving: slots before the sensor chains.
+        lanes: sensor chains, with the unused ones.
+    """
+
+    state: int
+    inputs: int
+    driving: int
+    lanes: int
+
+    def rows(self, stages: int) -> int:
+        """Numbers of a row with sensor chains of some stages."""
+        return self.driving + self.lanes * stages
+
+
+def layout_of(size: Size) -> Layout:
+    """Give the layout of a rig's rows."""
+    state, inputs = state_size(size), 2 + 2 * size.plate
+    return Layout(
+        state=state,
+        inputs=inputs,
+        driving=max(_whole(state + inputs), 16),
+        lanes=_whole(size.struts + lower_readings(size)),
+    )
 
 
 class DriveSlot(IntEnum):
@@ -24,8 +60,7 @@ class DriveSlot(IntEnum):
 
     ONE = 0  # 1: its column holds what the voltages add in each step
     STEP = 1  # index of the fine step: its column holds what the voltages add per index
-    BASE_START = 2  # base acceleration at the start of the step, m/s^2
-    BASE_END = 3  # and at its end
+    BASE = 2  # base acceleration (b) at the start of the step, m/s^2, rad/s^2; then at its end
 
 
 class Row(NamedTuple):
@@ -34,7 +69,7 @@ class Row(NamedTuple):
     Attributes:
         whole: (R).
         state: `State`.
-        drive: (4) `DriveSlot`.
+        drive: (2 + 2b) `DriveSlot`.
     """
 
     whole: Any
@@ -43,12 +78,13 @@ class Row(NamedTuple):
 
 
 @njit
-def row_of(whole, n):
-    """Give the views of a row (R) for n struts."""
+def row_of(whole, n, b):
+    """Give the views of a row (R) for n struts and b directions of the lower plate."""
+    state = 3 * n + 2 * b
     return Row(
         whole=whole,
-        state=compiled_state_of(whole, n),
-        drive=whole[3 * n + 2 : 3 * n + 6],
+        state=compiled_state_of(whole, n, b),
+        drive=whole[state : state + 2 + 2 * b],
     )
 
 
@@ -75,7 +111,6 @@ class ShakerConstants(NamedTuple):
 
     stiffness: Any
     damping: Any
-    inverse_mass: Any
     rigid: Any
 
 
@@ -105,15 +140,17 @@ class DesignArrays(NamedTuple):
     """The constants of one rig as plain arrays, in the order of the kernel's arguments; trials add a leading axis.
 
     Attributes:
-        step: (16, R) the columns that multiply the first sixteen slots; the kernel fills those of the voltages.
-        push: (2, R) the same for the force on the payload at both ends of a step.
+        step: (d, R) the columns that multiply the driving slots; the kernel fills those of the voltages.
+        push: (p, 2, R) the same for the forces on the payload at both ends of a step.
         chain: (c, c) within a chain of c stages.
         voltage: (4, n, R) `VoltageColumns`.
         force: (n, R) G0(h) of the corrective forces.
         strut: (6, n) `StrutConstants`.
         inertia: (n, n) H, 1/kg.
-        point: (n,) h, 1/kg.
-        shaker: (4,) `ShakerConstants`.
+        point: (p, n) h, 1/kg and 1/(kg m).
+        feet: (n, b) P, from the lower plate's motions to the feet.
+        plate: (b,) 1/m_l, 1/kg and 1/(kg m^2).
+        shaker: (3,) `ShakerConstants`.
         stop: (3,) `StopConstants`.
         theta: () fraction of a fine step.
     """
@@ -126,6 +163,8 @@ class DesignArrays(NamedTuple):
     strut: Array
     inertia: Array
     point: Array
+    feet: Array
+    plate: Array
     shaker: Array
     stop: Array
     theta: Array
@@ -142,12 +181,16 @@ class Design(NamedTuple):
     strut: Any
     inertia: Any
     point: Any
+    feet: Any
+    plate: Any
     shaker: Any
     stop: Any
 
 
 @njit(forceinline=True)
-def named_design(step, push, chain, voltage, force, strut, inertia, point, shaker, stop):
+def named_design(
+    step, push, chain, voltage, force, strut, inertia, point, feet, plate, shaker, stop
+):
     """Name the rows of `DesignArrays`. What is read most is copied, because the compiler knows that a copy is dense."""
     rows = strut.copy()
     return Design(
@@ -159,6 +202,8 @@ def named_design(step, push, chain, voltage, force, strut, inertia, point, shake
         strut=StrutConstants(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]),
         inertia=inertia.copy(),
         point=point,
-        shaker=ShakerConstants(shaker[0], shaker[1], shaker[2], shaker[3]),
+        feet=feet.copy(),
+        plate=plate,
+        shaker=ShakerConstants(shaker[0], shaker[1], shaker[2]),
         stop=StopConstants(stop[0], stop[1], stop[2]),
     )

@@ -24,17 +24,16 @@ from satvib_common.arrays import Array
 from satvib_plant_sim.physics.matrix_exponential import exponential
 from satvib_plant_sim.physics.mechanics import Mechanics, input_columns, mechanics
 from satvib_plant_sim.physics.sensor_chain import sensor_chain
-from satvib_plant_sim.physics.state import state_size
+from satvib_plant_sim.physics.state import Size, lower_readings, size_of, state_size
 from satvib_plant_sim.rig.rig import Rig
 from satvib_plant_sim.stepping.design import (
-    DRIVING,
-    LANES,
     DesignArrays,
     DriveSlot,
     ShakerConstants,
     StopConstants,
     StrutConstants,
     VoltageColumns,
+    layout_of,
 )
 
 
@@ -69,39 +68,45 @@ class Full:
 
 
 class OutputRows(NamedTuple):
-    """Where the outputs stand: true accelerations of both plates, then what the converters read of them."""
+    """Where the outputs stand: true accelerations of both plates, then what the converters read of them.
+
+    The lower plate has one of each under struts on a circle, else one of each per strut.
+    """
 
     upper: slice
-    lower: int
+    lower: slice
     read_upper: slice
-    read_lower: int
+    read_lower: slice
 
 
-def output_rows(n: int) -> OutputRows:
-    """Give the rows of the outputs of n struts."""
+def output_rows(size: Size) -> OutputRows:
+    """Give the rows of the outputs of a rig of a size."""
+    n = size.struts
+    true = n + lower_readings(size)
     return OutputRows(
-        upper=slice(0, n), lower=n, read_upper=slice(n + 1, 2 * n + 1), read_lower=2 * n + 1
+        upper=slice(0, n),
+        lower=slice(n, true),
+        read_upper=slice(true, true + n),
+        read_lower=slice(true + n, 2 * true),
     )
 
 
 def full_system(rig: Rig) -> Full:
     """Assemble mechanics and sensor chains."""
-    n = rig.struts.count
     m = mechanics(rig)
     A_c, b_c, c_c = sensor_chain(rig.accelerometer, rig.acquisition)
-    stages = len(b_c)
-    size = state_size(n)
-    total = DRIVING + LANES * stages
+    stages, layout = len(b_c), layout_of(size_of(rig))
+    size, read, total = layout.state, len(m.C), layout.rows(stages)
     A, B = np.zeros((total, total)), np.zeros((total, m.B.shape[1]))
-    C, D = np.zeros((2 * (n + 1), total)), np.zeros((2 * (n + 1), m.B.shape[1]))
+    C, D = np.zeros((2 * read, total)), np.zeros((2 * read, m.B.shape[1]))
     A[:size, :size], B[:size] = m.A, m.B
-    C[: n + 1, :size], D[: n + 1] = m.C, m.D
-    for lane in range(n + 1):
-        own = DRIVING + lane + LANES * np.arange(stages)
+    C[:read, :size], D[:read] = m.C, m.D
+    for lane in range(read):
+        own = layout.driving + lane + layout.lanes * np.arange(stages)
         A[np.ix_(own, own)] = A_c
         A[own, :size] = np.outer(b_c, m.C[lane])
         B[own] = np.outer(b_c, m.D[lane])
-        C[n + 1 + lane, own] = c_c
+        C[read + lane, own] = c_c
     return Full(A=A, B=B, C=C, D=D, parts=m)
 
 
@@ -118,10 +123,11 @@ def transition(A: Array, B: Array, t: float) -> tuple[Array, Array, Array]:
 
 @lru_cache(maxsize=1024)
 def discretize(rig: Rig) -> Discrete:
-    """Make the kernel's arrays of a rig, about 10 kB; the last 1024 are kept."""
-    n, acquisition = rig.struts.count, rig.acquisition
-    system = full_system(rig)
-    total, size = len(system.A), state_size(n)
+    """Make the kernel's arrays of a rig, about 10 kB (six struts: 60 kB); the last 1024 are kept."""
+    sizes, acquisition = size_of(rig), rig.acquisition
+    n, b = sizes.struts, sizes.plate
+    system, layout = full_system(rig), layout_of(sizes)
+    total, size = len(system.A), state_size(sizes)
     n_fine = acquisition.fine_steps
     h = acquisition.period / n_fine
     steps = acquisition.input_delay / h
@@ -132,18 +138,19 @@ def discretize(rig: Rig) -> Discrete:
     P0, P1 = G0, G1
     if theta > 0.0:
         _, P0, P1 = transition(system.A, system.B, h * (1.0 - theta))
-    u = input_columns(n)
+    u = input_columns(sizes)
     v = u.voltage
     # a straight line from u_0 to u_1 over the step
     ends = np.stack([G0 - G1 / h, G1 / h])
-    step = np.zeros((DRIVING, total))
+    step = np.zeros((layout.driving, total))
     step[:size] = E[:, :size].T
-    step[size + DriveSlot.BASE_START : size + DriveSlot.BASE_END + 1] = ends[:, :, u.base]
-    own = DRIVING + LANES * np.arange((total - DRIVING) // LANES)
+    first = size + DriveSlot.BASE
+    step[first : first + 2 * b] = ends[:, :, u.base].transpose(0, 2, 1).reshape(2 * b, total)
+    own = np.arange(layout.driving, total, layout.lanes)
     m, shaker = system.parts, rig.shaker
     arrays = DesignArrays(
         step=step,
-        push=ends[:, :, u.payload].copy(),
+        push=np.ascontiguousarray(ends[:, :, u.payload].transpose(2, 0, 1)),
         chain=E[np.ix_(own, own)].copy(),
         voltage=np.stack(
             VoltageColumns(
@@ -157,18 +164,19 @@ def discretize(rig: Rig) -> Discrete:
                 stiffness=m.K,
                 damping=m.C_strut,
                 force_constant=m.k,
-                stroke_limit=np.full(n, rig.struts.stroke_limit),
-                force_limit=np.full(n, rig.coil.force_limit),
+                stroke_limit=m.stroke_limit,
+                force_limit=m.force_limit,
                 back_emf=np.full(n, float(rig.coil.drive == 'voltage')),
             )
         ),
         inertia=m.H,
-        point=m.h,
+        point=np.ascontiguousarray(m.h.T),
+        feet=m.P,
+        plate=1.0 / m.m_l,
         shaker=np.array(
             ShakerConstants(
                 stiffness=shaker.stiffness / shaker.mass,
                 damping=shaker.damping / shaker.mass,
-                inverse_mass=1.0 / shaker.mass,
                 rigid=float(shaker.rigid),
             )
         ),

@@ -11,9 +11,7 @@ from typing import Any
 
 from satvib_common.kernels.deferred import intrinsic, njit
 
-from satvib_plant_sim.stepping.design import DRIVING, LANES
-
-_WIDTH = LANES
+from satvib_plant_sim.stepping.design import WIDTH, Layout
 
 
 @intrinsic
@@ -37,22 +35,18 @@ def fma(a, b, c):
     return _fused(a, b, c)
 
 
-def order(size: int) -> list[int]:
-    """Slots of x in the order in which they are added: what drives first, for it is known before the state is.
+def order(layout: Layout) -> list[int]:
+    """Slots of x in the order in which they are added: what drives first, for it is known before the state is."""
+    size = layout.state
+    return [*range(size, size + layout.inputs), *range(size)]
 
-    Args:
-        size: 3n + 2, states of mechanics and coils; four slots of inputs follow them.
+
+def vector_step(layout: Layout, stages: int) -> Any:
+    """Make the compiled function (step, chain, x, y) for a layout and sensor chains of some stages.
+
+    `step` is (d, R), `chain` (stages, stages), x and y (R); all of them dense, y not x. Slots of y between the states
+    and the chains are filled with nothing of use.
     """
-    return [*range(size, size + 4), *range(size)]
-
-
-def vector_step(n: int, stages: int) -> Any:
-    """Make the compiled function (step, chain, x, y) for n struts and sensor chains of some stages.
-
-    `step` is (16, 16 + 4 stages), `chain` (stages, stages), x and y (16 + 4 stages); all of them dense, y not x. Slots
-    of y between the states and the chains are filled with nothing of use.
-    """
-    size, rows = 3 * n + 2, DRIVING + LANES * stages
 
     @intrinsic
     def machine() -> Any:
@@ -66,7 +60,7 @@ def vector_step(n: int, stages: int) -> Any:
                     context.make_array(kind)(context, builder, value).data
                     for kind, value in zip(signature.args, values, strict=True)
                 ]
-                _write(builder, pointers, size, stages, rows)
+                _write(builder, pointers, layout, stages)
                 return context.get_dummy_value()
 
             return types.void(step, chain, x, y), generate
@@ -80,17 +74,18 @@ def vector_step(n: int, stages: int) -> Any:
     return fixed
 
 
-def _write(builder: Any, pointers: list[Any], size: int, stages: int, rows: int) -> None:
+def _write(builder: Any, pointers: list[Any], layout: Layout, stages: int) -> None:
     """Write the instructions of one step."""
     from llvmlite import ir
     from numba.core import cgutils
 
     step, chain, x, y = pointers
-    vector = ir.VectorType(ir.DoubleType(), _WIDTH)
+    driven, lanes, rows = layout.driving, layout.lanes, layout.rows(stages)
+    vector = ir.VectorType(ir.DoubleType(), WIDTH)
     nothing = ir.Constant(vector, ir.Undefined)
-    first = ir.Constant(ir.VectorType(ir.IntType(32), _WIDTH), [0] * _WIDTH)
+    first = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
     fused = cgutils.get_or_insert_function(
-        builder.module, ir.FunctionType(vector, [vector] * 3), f'llvm.fma.v{_WIDTH}f64'
+        builder.module, ir.FunctionType(vector, [vector] * 3), f'llvm.fma.v{WIDTH}f64'
     )
 
     def place(pointer: Any, index: int) -> Any:
@@ -104,19 +99,20 @@ def _write(builder: Any, pointers: list[Any], size: int, stages: int, rows: int)
         one = builder.insert_element(nothing, value, ir.Constant(ir.IntType(32), 0))
         return builder.shuffle_vector(one, nothing, first)
 
-    driving = {c: spread(x, c) for c in order(size)}
+    driving = {c: spread(x, c) for c in order(layout)}
     within = [[spread(chain, p * stages + q) for q in range(stages)] for p in range(stages)]
-    past = [load(x, DRIVING + LANES * q) for q in range(stages)]
+    past = {r: load(x, r) for r in range(driven, rows, WIDTH)}
     results = []
-    chains = range(DRIVING, rows, _WIDTH)
-    for r in (*range(0, size, _WIDTH), *chains):
-        lead, *others = order(size)
+    chains = range(driven, rows, WIDTH)
+    for r in (*range(0, layout.state, WIDTH), *chains):
+        lead, *others = order(layout)
         total = builder.fmul(load(step, lead * rows + r), driving[lead])
         for c in others:
             total = builder.call(fused, [load(step, c * rows + r), driving[c], total])
         if r in chains:
+            p, lane = divmod(r - driven, lanes)
             for q in range(stages):
-                total = builder.call(fused, [within[(r - DRIVING) // LANES][q], past[q], total])
+                total = builder.call(fused, [within[p][q], past[driven + lanes * q + lane], total])
         results.append((r, total))
     for r, total in results:
         builder.store(total, builder.bitcast(place(y, r), vector.as_pointer()), align=8)

@@ -24,6 +24,7 @@ EXAMPLES = {
     'sweep': {'amplitude': 1.0, 'frequency': 5.0, 'end_frequency': 40.0, 'duration': 2.0},
     'random': {'rms': 0.8, 'low': 2.0, 'high': 50.0},
     'reaction_wheel': {'speed': 10.0, 'harmonics': [1.0, 2.8], 'coefficients': [2e-4, 1e-4]},
+    'mounted_wheel': {'speed': 10.0, 'axis': [0.0, 0.0, 2.0], 'axial': [2e-4]},
     'pulse': {'amplitude': 3.0, 'duration': 0.02},
     'trapezoid': {'amplitude': 2.0, 'rise': 0.1, 'hold': 0.2, 'fall': 0.3},
     'burst': {'amplitude': 2.0, 'frequency': 12.0, 'decay': 0.3},
@@ -112,6 +113,32 @@ def test_a_wheel_at_constant_speed():
     omega = 2 * np.pi * 10.0
     expected = omega**2 * (2e-4 * np.sin(omega * t) + 1e-4 * np.sin(2.8 * omega * t))
     assert_allclose(d, expected, atol=1e-12)
+
+
+def test_a_mounted_wheel_turns_its_force_and_torque():
+    """Truth: a force of C Omega^2 in the plane of z and x that turns about y with Omega, M = p x F + torque; 1e-12."""
+    wheel = make_disturbance(
+        {'kind': 'mounted_wheel', 'speed': 10.0, 'axis': [0.0, 3.0, 0.0], 'position': [0.1, 0.0, -0.2],
+         'harmonics': [1.0, 2.0], 'radial': [2e-4, 0.0], 'axial': [0.0, 3e-5], 'torque': [1e-5, 0.0],
+         'target': 'payload', 'phases': [40.0, 0.0]}
+    )  # fmt: skip
+    assert wheel.tones() == (10.0, 20.0)
+    mixer = Mixer([wheel], [1], [unity], H, N_FINE, (6, 6))
+    found = np.concatenate([mixer.period(k)[0, :, :-1] for k in range(25)], axis=1)
+    assert_array_equal(found[:6], 0.0)
+    omega, t = 2 * np.pi * 10.0, np.arange(found.shape[1]) * H
+    force, moment = found[6:9], found[9:]
+    assert_allclose(np.hypot(force[0], force[2]), 2e-4 * omega**2, rtol=1e-12)
+    assert_allclose(force[1], 3e-5 * omega**2 * np.sin(2 * omega * t), atol=1e-12)
+    turned = np.unwrap(np.arctan2(force[0], force[2]))
+    assert_allclose(np.diff(turned), omega * H, rtol=1e-9)
+    # the torque turns with the force; it is 1e-5 / 2e-4 m of it, and the force acts at the wheel's place
+    torque = 0.05 * force * [[1.0], [0.0], [1.0]]
+    assert_allclose(moment, np.cross([0.1, 0.0, -0.2], force.T).T + torque, atol=1e-12)
+    with pytest.raises(SatvibError, match='position: a wheel on the base has none'):
+        make_disturbance({'kind': 'mounted_wheel', 'speed': 1.0, 'position': [0, 0, 1]})
+    with pytest.raises(SatvibError, match='radial: 2 for 1 harmonics'):
+        make_disturbance({'kind': 'mounted_wheel', 'speed': 1.0, 'radial': [1, 1]})
 
 
 @settings(max_examples=30, deadline=None)

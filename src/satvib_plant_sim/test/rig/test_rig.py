@@ -13,7 +13,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema
 from satvib_plant_sim.rig.rig import Rig, load_rig, rig_names
 
-NAMES = ['clean_1dof', 'clean_3dof', 'paper_1dof', 'paper_3dof', 'soft_3dof']
+NAMES = ['clean_1dof', 'clean_3dof', 'hexapod_6dof', 'paper_1dof', 'paper_3dof', 'soft_3dof']
 
 
 def numbers(schema, path=''):
@@ -31,7 +31,7 @@ KEYS = sorted(numbers(load_rig('paper_3dof')))
 
 
 def test_the_rigs_of_the_design_are_there():
-    """The list is the design's, with the 1-DOF twin of the clean rig."""
+    """The list is the design's, with the 1-DOF twin of the clean rig, and the hexapod."""
     assert rig_names() == NAMES
 
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from satvib_common.errors import SatvibError
+from satvib_experiment.scenario.centralized_scheme import geometry_of
 from satvib_experiment.scenario.scenario import Scenario
 from satvib_experiment.twin.closed_loop import BATCH_SHARES, ClosedLoop
 from satvib_plant_sim.rig.any_rig import AnyRig, strut_count
@@ -32,16 +33,16 @@ BATCH = 512
 
 def in_step(scenario: Scenario, rig: AnyRig) -> str:
     """Give what trials of one batch have in common, as text."""
-    steps, angle = (1, 0), 0.0
+    steps, places = (1, 0), {}
     if isinstance(rig, Rig):
         steps = (rig.acquisition.fine_steps, rig.acquisition.filter_order)
         # one controller for all struts knows where they stand
-        angle = rig.struts.first_angle if scenario.scheme == 'centralized' else 0.0
+        places = geometry_of(rig, scenario.name) if scenario.scheme == 'centralized' else {}
     phases = [(s.phase, s.start) for s in scenario.phases]
     shared = [
         [getattr(scenario, name) for name in BATCH_SHARES if name != 'phases'], phases,
-        type(rig).__name__, rig.acquisition.sample_rate, steps, angle,
-        strut_count(rig),
+        type(rig).__name__, rig.acquisition.sample_rate, steps, places,
+        strut_count(rig), isinstance(rig, Rig) and len(rig.struts.each),
     ]  # fmt: skip
     return json.dumps(shared, sort_keys=True)
 

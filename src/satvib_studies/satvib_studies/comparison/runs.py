@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The runs of a comparison: one batch of the offline twin per scheme, all cases and seeds at once, judged in truth.
 
-Level: RMS of the payload's modes (w and the tilts at the struts' circle) together, from the fine grid. Attenuation:
+Level: RMS of the payload's modes (w and the tilts at the struts' circle, or the motions of a payload on listed struts)
+together, from the fine grid. Attenuation:
 against the same rig, seed and case at 0 V, in the same window.
 """
 
@@ -16,9 +17,9 @@ from typing import Any
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
-from satvib_common.struts.motions import mode_matrix
-from satvib_experiment.scenario.centralized_scheme import strut_angles
+from satvib_experiment.scenario.centralized_scheme import geometry_of
 from satvib_experiment.twin.closed_loop import ClosedLoop
+from satvib_plant_sim.rig.payload_modes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.comparison.cases import OPEN, Comparison, drawn_rig
@@ -85,18 +86,22 @@ def run_comparison(comparison: Comparison, progress: Progress | None = None) -> 
         rigs: list[Any] = []
         for scenario in scenarios:
             rig = scenario.load_rig()
-            angles = strut_angles(rig, f'comparison {comparison.name}')
-            if not isinstance(rig, Rig) or len(angles) != 3:
-                raise SatvibError(f'comparison {comparison.name}: {rig.name} has no three struts')
+            geometry_of(rig, f'comparison {comparison.name}')
+            if not isinstance(rig, Rig) or not payload_modes(rig).tilts:
+                raise SatvibError(
+                    f'comparison {comparison.name}: the payload of {rig.name} does not tilt; three or more struts are '
+                    'needed'
+                )
+            modes = payload_modes(rig)
             rigs.append(drawn_rig(rig, scenario.seed))
         loop = ClosedLoop(scenarios, rigs)
-        dt, mode = loop.plant.dt, mode_matrix(angles)
+        dt, mode, tilts = loop.plant.dt, modes.mode, list(modes.tilts)
         squares = np.zeros((2, len(scenarios), loop.plan.end))
         largest = np.zeros(len(scenarios))
         for step in loop.steps():
             q = np.einsum('mi,tif->tmf', mode, step.truth.upper)
             power = np.mean(q * q, axis=2)
-            squares[:, :, step.sequence] = power.sum(axis=1), power[:, 1:].sum(axis=1)
+            squares[:, :, step.sequence] = power.sum(axis=1), power[:, tilts].sum(axis=1)
             largest = np.maximum(largest, np.max(np.abs(step.output.voltage), axis=1))
             if progress is not None and step.sequence % 100 == 0:
                 progress(scheme, step.sequence, loop.plan.end)

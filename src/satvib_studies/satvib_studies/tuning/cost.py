@@ -24,11 +24,11 @@ from satvib_common.arrays import Array, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 from satvib_common.signals.integrator import leaky_integrator
-from satvib_common.struts.motions import mode_matrix, strut_matrix
 from satvib_experiment.scenario.memory import check_needs
 from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.physics.noise import noise_floor
 from satvib_plant_sim.responses.all_struts import rig_response
+from satvib_plant_sim.rig.payload_modes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.tuning.loop_cost import LoopFigure, loop_figures
@@ -61,7 +61,7 @@ class TuningCost:
         settings: see `CostSettings`.
 
     Attributes:
-        lower, upper: (9,) or (3,) the box: P of every mode, then I, then D.
+        lower, upper: (3 modes,) the box: P of every mode, then I, then D.
         size: how many gains.
 
     Raises:
@@ -82,11 +82,20 @@ class TuningCost:
         self.noise = noise_floor(rig) ** 2 * spectrum.width / half
         found = [rig_response(plant, self.frequency) for plant in self.plants]
         self._responses = [
-            np.stack([getattr(r, name) for r in found])
-            for name in ('read_voltage', 'true_voltage', 'read_source', 'true_source')
+            np.stack([getattr(r, name) for r in found]) for name in ('read_voltage', 'true_voltage')
         ]
-        angles = rig.struts.angles
-        self._strut, self._mode = strut_matrix(angles), mode_matrix(angles)
+        # of all directions of base and payload, those in which the disturbance acts
+        self._responses += [
+            np.stack([getattr(r, name) @ spectrum.sources.T for r in found])
+            if rig.struts.each
+            else np.stack([getattr(r, name) for r in found])
+            for name in ('read_source', 'true_source')
+        ]
+        self.modes = payload_modes(rig)
+        self._strut, self._mode = self.modes.strut, self.modes.mode
+        count = len(self.modes.names)
+        self._tilting = np.array([float(i in self.modes.tilts) for i in range(count)])
+        self._like = np.zeros(LoopFigure.MODES + count)
         b, a = leaky_integrator(p.corner, rig.acquisition.period)
         z = np.exp(-2j * math.pi * self.frequency * rig.acquisition.period)
         self._integrator = np.polyval(b[::-1], z) / np.polyval(a[::-1], z)
@@ -100,20 +109,19 @@ class TuningCost:
             )
 
     def figures(self, gains: Array) -> Array:
-        """Give the figures (particles, plants, 7) of gains (particles, size); see `loop_cost` for their places."""
-        n = self.rig.struts.count
-        each = np.asarray(gains, dtype=float).reshape(-1, 1, 3, n)
+        """Give the figures (particles, plants, 4 + modes) of gains (particles, size), `LoopFigure`."""
+        each = np.asarray(gains, dtype=float).reshape(-1, 1, 3, len(self.modes.names))
         with np.errstate(all='ignore'):
             found = loop_figures(
                 each, *self._responses, self.power, self.noise, 2.0 * math.pi * self.frequency,
-                self._integrator, self._strut, self._mode, np.zeros(len(LoopFigure)),
+                self._integrator, self._strut, self._mode, self._tilting, self._like,
             )  # fmt: skip
         return np.asarray(found)
 
     @staticmethod
     def level(figures: Array) -> Array:
-        """RMS of all modes together, m/s^2, of figures (..., 7)."""
-        level: Array = np.sqrt(np.sum(figures[..., LoopFigure.W : LoopFigure.TILT] ** 2, axis=-1))
+        """RMS of all modes together, m/s^2, of figures (..., 4 + modes)."""
+        level: Array = np.sqrt(np.sum(figures[..., LoopFigure.MODES :] ** 2, axis=-1))
         return level
 
     def each(self, gains: Array) -> Array:
@@ -133,7 +141,7 @@ class TuningCost:
 
     @staticmethod
     def stable(figures: Array) -> Mask:
-        """Whether the loops of figures (..., 7) are stable."""
+        """Whether the loops of figures (..., 4 + modes) are stable."""
         return np.asarray(np.abs(figures[..., LoopFigure.TURNS]) < 0.5)
 
     def __call__(self, gains: Array) -> Array:

@@ -11,15 +11,15 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.levels import decibel
 from satvib_common.signals.integrator import leaky_integrator
-from satvib_common.struts.motions import mode_matrix, strut_matrix
 from satvib_plant_sim.responses.all_struts import rig_response
+from satvib_plant_sim.rig.payload_modes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.tuning.search import Tuned
 
 
 def closed_transmission(rig: Rig, gains: Array, corner: float, frequency: Array) -> Array:
-    """Give |a/a_d| (f, modes) from the source to the payload's modes under the modal law, at (f,) Hz.
+    """Give |a/a_d| (f, modes) from the source along z to the payload's modes under the modal law, at (f,) Hz.
 
     Args:
         rig: the rig.
@@ -27,16 +27,18 @@ def closed_transmission(rig: Rig, gains: Array, corner: float, frequency: Array)
         corner: Hz, of the integrators.
         frequency: Hz.
     """
-    n = rig.struts.count
-    T, mode = strut_matrix(rig.struts.angles), mode_matrix(rig.struts.angles)
+    n, modes = rig.struts.count, payload_modes(rig)
+    T, mode = modes.strut, modes.mode
+    along = 2 if rig.struts.each else 0
     r = rig_response(rig, frequency)
     b, a = leaky_integrator(corner, rig.acquisition.period)
     z = np.exp(-2j * math.pi * frequency * rig.acquisition.period)
     H = (np.polyval(b[::-1], z) / np.polyval(a[::-1], z))[:, None]
     C = T @ ((gains[2] + gains[0] * H + gains[1] * H * H)[:, :, None] * mode)
     S = np.linalg.inv(np.eye(n) + r.read_voltage @ C)
-    u = -C @ S @ r.read_source[:, :, :1]
-    found: Array = np.abs(mode @ (r.true_source[:, :, :1] + r.true_voltage @ u))[:, :, 0]
+    read, true = (source[:, :, along : along + 1] for source in (r.read_source, r.true_source))
+    u = -C @ S @ read
+    found: Array = np.abs(mode @ (true + r.true_voltage @ u))[:, :, 0]
     return found
 
 
@@ -47,6 +49,8 @@ def draw(found: Tuned, path: Path) -> None:
     rig, history = found.rig, found.result.history
     half = 0.5 * rig.acquisition.sample_rate
     frequency = np.geomspace(0.5, 0.95 * half, 400)
+    names = payload_modes(rig).names
+    heave = names.index('z') if 'z' in names else 0
     cases = (
         ('0 V', np.zeros_like(found.untuned), OPEN),
         ('untuned', found.untuned, STRUTS[1]),
@@ -65,12 +69,12 @@ def draw(found: Tuned, path: Path) -> None:
             for i, plant in enumerate(found.cost.plants):
                 w = closed_transmission(
                     plant, gains.reshape(3, -1), found.settings.cost.corner, frequency
-                )[:, 0]
+                )[:, heave]
                 right.plot(
                     frequency, decibel(w), color=color, lw=1.5 if i == 0 else 0.5,
                     alpha=1.0 if i == 0 else 0.5, label=label if i == 0 else None,
                 )  # fmt: skip
         right.set_xscale('log')
         right.set_xlabel('frequency in Hz')
-        right.set_title('source to payload (w), dB; thin: the perturbed plants')
+        right.set_title(f'source to payload ({names[heave]}), dB; thin: the perturbed plants')
         right.legend()

@@ -133,12 +133,11 @@ class Search:
         )
         check_needs(
             f'swarm.particles, cost.plants: {swarm.particles} particles on {plants} plants',
-            8.0 * len(LoopFigure) * swarm.particles * plants,
+            8.0 * (LoopFigure.MODES + 6) * swarm.particles * plants,
         )
         built: Disturbance = make_disturbance(self.disturbance, '--disturbance')
         self.cost = TuningCost(self.rig, built, self.settings.cost)
-        n = self.rig.struts.count
-        untuned = np.zeros((3, n))
+        untuned = np.zeros((3, len(self.cost.modes.names)))
         untuned[0] = UNTUNED
         self.untuned = np.clip(untuned.ravel(), self.cost.lower, self.cost.upper)
 

@@ -64,6 +64,21 @@ def test_20_random_trials_have_the_bits_of_their_single_runs():
     check_singles(plan_of(40), 20)
 
 
+def test_hexapods_have_the_bits_of_their_single_runs():
+    """Truth: the offline run of one scenario alone; equal in every bit of every figure, six struts, six directions."""
+    parameters = {
+        'rig.payload.mass': {'kind': 'uniform', 'low': 12.6, 'high': 23.4},
+        'rig.payload.center_of_gravity.2': {'kind': 'uniform', 'low': -0.02, 'high': 0.06},
+        'disturbance.terms.0.frequency': {'kind': 'uniform', 'low': 5.0, 'high': 12.0},
+    }
+    phases = [('CALIBRATE', 0.0), ('IDENTIFY', 0.3), ('STANDBY', 1.3), ('CONTROL', 1.8)]
+    short = {
+        'duration': 2.5, 'phases': [{'phase': p, 'start': s} for p, s in phases],
+        'analysis': {}, 'disturbance.terms.0.start': 1.3,
+    }  # fmt: skip
+    check_singles(plan_of(6, 'hexapod_6dof', parameters=parameters, set=short), 3)
+
+
 def test_samples_that_only_some_trials_use_do_not_show_in_the_others():
     """Truth: the recording of one scenario alone; equal bits, with a floor that trials pass at other times."""
     settings = {'identifier.regressor_floor': 14.0, 'controller.excitation': 'chirp'}

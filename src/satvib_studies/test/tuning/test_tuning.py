@@ -120,6 +120,47 @@ def test_the_kernel_is_the_textbook_loop(cost):
         )
 
 
+def test_six_struts_are_judged_likewise():
+    """Truth: NumPy's inverse and singular values; the margin 2e-4, which its powers allow, the rest 1e-9."""
+    terms = [
+        {'kind': 'sine', 'frequency': 7.0, 'amplitude': 0.3, 'direction': [0.8, 0.0, 0.6]},
+        {'kind': 'sine', 'frequency': 9.0, 'amplitude': 2.0, 'target': 'payload',
+         'direction': [0.0, 0.0, 0.0, 0.1, 0.0, 0.2]},
+    ]  # fmt: skip
+    shake = make_disturbance({'kind': 'sum', 'terms': terms})
+    cost = TuningCost(load_rig('hexapod_6dof'), shake, CostSettings(plants=2))
+    assert cost.size == 18
+    assert cost.power.shape[1] == 2
+    gains = drawn(cost, 3, seed=2, part=0.1)
+    f, T, mode = cost.frequency, cost._strut, cost._mode
+    z = np.exp(-2j * np.pi * f / 200.0)
+    b, a = leaky_integrator(0.5, 1.0 / 200.0)
+    H = (np.polyval(b[::-1], z) / np.polyval(a[::-1], z))[:, None]
+    r = rig_response(cost.rig, f)
+    factors = np.zeros((12, 2))
+    factors[[0, 2], 0] = 0.8, 0.6
+    factors[[9, 11], 1] = 0.1, 0.2
+    for g, found in zip(gains.reshape(-1, 3, 6), cost.figures(gains)[:, 0], strict=True):
+        C = T @ ((g[2] + g[0] * H + g[1] * H * H)[:, :, None] * mode)
+        loop = np.eye(6) + r.read_voltage @ C
+        margin = np.linalg.svd(loop)[1][:, -1].min()
+        assert found[LoopFigure.MARGIN] == pytest.approx(margin, rel=2e-4)
+        CS = -C @ np.linalg.inv(loop)
+        u = CS @ r.read_source @ factors
+        power = np.abs(u) ** 2 * cost.power[:, None, :]
+        noise = np.sum(np.abs(CS) ** 2, axis=2) * cost.noise[:, None]
+        assert found[LoopFigure.VOLTS] == pytest.approx(
+            math.sqrt((power.sum(axis=2) + noise).sum(axis=0).max()), rel=1e-9
+        )
+        q = mode @ (r.true_source @ factors + r.true_voltage @ u)
+        heard = mode @ r.true_voltage @ CS
+        levels = np.sum(np.abs(q) ** 2 * cost.power[:, None, :], axis=2)
+        levels += np.sum(np.abs(heard) ** 2, axis=2) * cost.noise[:, None]
+        assert found[LoopFigure.MODES :] == pytest.approx(np.sqrt(levels.sum(axis=0)), rel=1e-9)
+        tilt = levels[:, 3:5].sum(axis=1) / (2 * np.pi * f) ** 4
+        assert found[LoopFigure.TILT] == pytest.approx(math.sqrt(tilt.sum()), rel=1e-9)
+
+
 def test_levels_are_those_of_the_twin(cost):
     """Truth: the time-domain twin, its fine truth over whole periods of the tone; 2 %, with and without control."""
     for gains in (np.zeros(9), np.array([56.0] * 3 + [1000.0, 0.0, 0.0] + [0.2] * 3)):
@@ -136,10 +177,10 @@ def test_levels_are_those_of_the_twin(cost):
         modes = np.einsum('mi,kif->mkf', mode_matrix((90.0, 210.0, 330.0)), truth)
         found = np.sqrt(np.mean(modes**2, axis=(1, 2)))
         figures = cost.figures(gains[None])[0, 0]
-        assert found[0] == pytest.approx(figures[LoopFigure.W], rel=0.02)
+        assert found[0] == pytest.approx(figures[LoopFigure.MODES], rel=0.02)
         # tilts are small; what is left of the onset and of the noise shows in them
         assert found == pytest.approx(
-            figures[LoopFigure.W : LoopFigure.W + 3], abs=0.03 * figures[LoopFigure.W]
+            figures[LoopFigure.MODES : LoopFigure.MODES + 3], abs=0.03 * figures[LoopFigure.MODES]
         )
 
 

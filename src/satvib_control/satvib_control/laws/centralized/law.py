@@ -5,7 +5,8 @@
     q = T^-1 a,    u = -s T (G_d q + G_p H q + G_i H H q),    H(s) = s / (s + w_l)^2
 
 a are the upper accelerations of all struts without bias, q those of the modes (w, alpha, beta; T: see
-`satvib_common.struts`), H the drift-free integrator of `satvib_common.signals`, G diagonal, s the polarity of the
+`satvib_common.struts`), or those of the motions of a payload on listed struts, where T is their Jacobian and T^-1 its
+pseudo-inverse, H the drift-free integrator of `satvib_common.signals`, G diagonal, s the polarity of the
 wiring. The controlled quantity is the velocity of a mode: P acts like a damper against the sky, I like a spring, D like
 a mass.
 
@@ -44,24 +45,24 @@ class _Gain(IntEnum):
 
 @kernel(
     'void(f8[:,:],f8[:,:],f8[:,:],f8[:,:],f8[:,:,:],f8[:],f8[:])',
-    '(n,n),(n,n),(g,n),(c,t),(n,w,s),(n)->(n)',
+    '(n,m),(m,n),(g,m),(c,t),(m,w,s),(n)->(n)',
     writable=('state',),
 )
 def modal_step(strut, mode, gains, integrator, state, y, u):
     """One sample of all struts of one item.
 
     Args:
-        strut: (n, n) T.
-        mode: (n, n) T^-1.
-        gains: (3, n) rows P, I, D; V/(m/s), V/m, V/(m/s^2).
+        strut: (n, m) T.
+        mode: (m, n) T^-1.
+        gains: (3, m) rows P, I, D; V/(m/s), V/m, V/(m/s^2).
         integrator: (2, 3) b and a of H.
-        state: (n, 2, 2) states of the two integrators of each mode, changed.
+        state: (m, 2, 2) states of the two integrators of each mode, changed.
         y: (n) m/s^2.
         u: (n) out, V.
     """
     b, a = integrator[0], integrator[1]
     u[:] = 0.0
-    for m in range(y.shape[0]):
+    for m in range(mode.shape[0]):
         q = dot_of(mode[m], y)
         v = filter_sample(b, a, state[m, 0], q)
         x = filter_sample(b, a, state[m, 1], v)
@@ -86,17 +87,21 @@ class Centralized(BasicLaw[CentralizedParameters]):
                 'law: centralized needs all struts at once; set scheme: centralized in the scenario'
             )
         super().__init__(p, dt, shape)
-        angles = p.strut_angles[: p.struts]
-        self._strut, self._mode = strut_matrix(angles), mode_matrix(angles)
+        if p.strut_shapes:
+            self._strut = np.array(p.strut_shapes).reshape(p.struts, -1)
+            self._mode = np.linalg.pinv(self._strut)
+        else:
+            angles = p.strut_angles[: p.struts]
+            self._strut, self._mode = strut_matrix(angles), mode_matrix(angles)
         self._integrator = np.array(leaky_integrator(p.velocity_corner, dt))
-        self._state = np.zeros((*shape, 2, 2))
+        self._state = np.zeros((*shape[:-1], p.modes, 2, 2))
         self.apply(p)
 
     def apply(self, parameters: CentralizedParameters) -> None:
         """Take other gains; the integrators go on."""
         super().apply(parameters)
         p, n, shape = parameters, parameters.struts, self.shape
-        self._gains = p.velocity_polarity * np.array([p.gains_p[:n], p.gains_i[:n], p.gains_d[:n]])
+        self._gains = p.velocity_polarity * np.array(p.gains())
         # shown for each strut: the gains from its own sensor to its own voltage
         own = [
             np.array([sum(self._strut[i] * row * self._mode[:, i]) for i in range(n)])

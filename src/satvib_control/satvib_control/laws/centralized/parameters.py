@@ -15,7 +15,8 @@ class CentralizedParameters(ControllerParameters):
     """The parameters of a strut's controller, with the geometry and the gains of the modal law.
 
     The gains are in the order w, alpha, beta. A tilt is the motion that it makes at the circle of the struts, so all
-    three have one unit, and equal gains are the same gain at every strut.
+    three have one unit, and equal gains are the same gain at every strut. With `strut_shapes` the order is that of its
+    columns: x, y, z, rx, ry, rz for a payload that moves freely.
     """
 
     law: str = param(
@@ -26,6 +27,12 @@ class CentralizedParameters(ControllerParameters):
     )
     strut_angles: tuple[float, ...] = param(
         (90.0, 210.0, 330.0), 'angles of the struts, from x', unit='deg', read_only=Fixed.RIG
+    )
+    strut_shapes: tuple[float, ...] = param(
+        (),
+        'listed struts: what each motion of the payload does along each strut, strut by strut; a turn as the motion '
+        'that it makes at the mean distance of the struts',
+        read_only=Fixed.RIG,
     )
     gains_p: tuple[float, ...] = param(
         (0.0, 0.0, 0.0),
@@ -46,9 +53,31 @@ class CentralizedParameters(ControllerParameters):
     def check(self) -> None:
         """Refuse gains that are not one per mode."""
         super().check()
-        if self.struts not in {1, 3}:
+        if self.strut_shapes:
+            if len(self.strut_shapes) % self.struts:
+                raise SatvibError(
+                    f'strut_shapes: {len(self.strut_shapes)} numbers are no rows for {self.struts} struts'
+                )
+            of = f'{self.modes} motions'
+        elif self.struts not in {1, 3}:
             raise SatvibError(f'struts: {self.struts} struts have no modes w, alpha, beta')
-        for name in ('strut_angles', 'gains_p', 'gains_i', 'gains_d'):
-            given = len(getattr(self, name))
+        else:
+            of = f'{self.struts} struts'
+            given = len(self.strut_angles)
             if given < self.struts:
-                raise SatvibError(f'{name}: {given} values for {self.struts} struts')
+                raise SatvibError(f'strut_angles: {given} values for {of}')
+        for name in ('gains_p', 'gains_i', 'gains_d'):
+            gains = getattr(self, name)
+            # gains that are all 0 may be left out
+            if len(gains) < self.modes and (any(gains) or not self.strut_shapes):
+                raise SatvibError(f'{name}: {len(gains)} values for {of}')
+
+    @property
+    def modes(self) -> int:
+        """Motions of the payload."""
+        return len(self.strut_shapes) // self.struts if self.strut_shapes else self.struts
+
+    def gains(self) -> tuple[tuple[float, ...], ...]:
+        """Give the rows P, I, D, one gain for each motion."""
+        rows = (self.gains_p, self.gains_i, self.gains_d)
+        return tuple((*row, *(0.0,) * self.modes)[: self.modes] for row in rows)

@@ -57,6 +57,34 @@ def test_each_mode_has_its_own_gain():
         assert got == pytest.approx(-wanted[:, None] * shape, abs=1e-11)
 
 
+def test_listed_struts_have_a_gain_for_each_motion():
+    """Truth: the law's definition with numpy's pseudo-inverse: five struts, three motions; 1e-11.
+
+    What no motion explains is left alone. Gains that are all 0 may be left out.
+    """
+    shapes = np.random.default_rng(2).normal(size=(5, 3))
+    signal = np.sin(np.arange(200) * 0.3)
+    p = parameters(
+        struts=5, strut_shapes=tuple(shapes.ravel()), gains_p=(5.0, 40.0, 7.0), voltage_limit=1e3
+    )
+    assert p.modes == 3
+    b, a = leaky_integrator(p.velocity_corner, 1.0 / RATE)
+    v = lfilter(b, a, signal)
+    for mode, gain in enumerate(p.gains_p):
+        shape = shapes[:, mode]
+        got = answers(CentralizedCore(p, (5,)), signal[:, None] * shape)
+        assert got == pytest.approx(-gain * v[:, None] * shape, abs=1e-11)
+    # orthogonal to every motion
+    apart = np.linalg.svd(shapes)[0][:, 3:].sum(axis=1)
+    assert answers(CentralizedCore(p, (5,)), signal[:, None] * apart) == pytest.approx(
+        0.0, abs=1e-11
+    )
+    with pytest.raises(SatvibError, match='gains_p: 2 values for 3 motions'):
+        p.replace(gains_p=(1.0, 2.0))
+    with pytest.raises(SatvibError, match='strut_shapes: 14 numbers are no rows for 5 struts'):
+        p.replace(strut_shapes=tuple(shapes.ravel()[:14]))
+
+
 def test_bits_do_not_depend_on_the_batch():
     """Truth: the single run, bit for bit, with a lost sensor and a voltage at its limit among the trials."""
     y = np.random.default_rng(2).normal(size=(300, 5, 3)) * np.array([1, 5, 50, 1, 2])[:, None]
