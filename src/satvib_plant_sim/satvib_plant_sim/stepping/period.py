@@ -86,8 +86,6 @@ def _record_plates(x, design, disturbance, truth, j, load):
         for m in range(design.point.shape[0]):
             for i in range(n):
                 truth.upper[i, j] += design.point[m, i] * disturbance[b + m, j]
-    for i in range(lower.shape[0]):
-        lower[i, j] = 0.0
     for m in range(b):
         if shaker.rigid > 0.0:
             moved = disturbance[m, j]
@@ -98,7 +96,8 @@ def _record_plates(x, design, disturbance, truth, j, load):
             suspended = shaker.stiffness * plate[m] + shaker.damping * plate_rate[m]
             moved = -(total * design.plate[m]) - suspended
         for i in range(lower.shape[0]):
-            lower[i, j] += feet[i, m] * moved
+            along = feet[i, m] * moved
+            lower[i, j] = along if m == 0 else lower[i, j] + along
 
 
 @kernel(
