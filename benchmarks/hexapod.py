@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The hexapod: its modes against the closed form, a wheel run-up in arc seconds, and the figure of its page.
 
-./satvib shell -c 'python benchmarks/hexapod.py docs/figures/hexapod.png'
+./satvib shell -c 'python benchmarks/hexapod.py FILE.png'
 """
 
 import sys

@@ -10,8 +10,8 @@ The speed is constant, or goes in a straight line from `speed` to `end_speed` be
 plate's acceleration; a ramp is not.
 
 A *mounted* wheel has an axis and a place. Its radial force and its radial torque turn with the wheel: each has two
-parts at right angles, a quarter of a turn apart. Its axial force is one part. A force at p from the centre of gravity is
-a moment p x F as well.
+parts at right angles, a quarter of a turn apart. Its axial force is one part. A force at p from the centre of gravity
+is a moment p x F as well.
 """
 
 import math

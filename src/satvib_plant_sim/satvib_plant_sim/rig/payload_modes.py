@@ -51,7 +51,7 @@ def payload_modes(rig: Rig) -> PayloadModes:
     return PayloadModes(
         names=payload.motions,
         strut=strut,
-        mode=np.linalg.pinv(strut),
+        mode=np.array(np.linalg.pinv(strut), dtype=np.float64),
         radius=radius,
         tilts=tuple(i for i, motion in enumerate(payload.motions) if motion in {'rx', 'ry'}),
     )
