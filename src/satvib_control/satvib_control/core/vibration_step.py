@@ -26,6 +26,7 @@ CALMED = 0.8  # of the power at 0 V, half a second after the law is back
 TURN = 2.0  # s
 ALLOWED_TIME = 5.0  # s; no strut is loud for longer, so what is still heard then is the disturbance
 STRIKES = 3
+LONGEST_WAIT = STRIKES * ALLOWED_TIME  # s beyond its turn: another strut has failed by then
 FORGIVE_TIME = 60.0  # s
 FALL_TIME, RISE_TIME = 1.0, 30.0  # s; the usual level follows down quickly and up slowly
 SETTLE_TIME = 1.0  # s of ACTING before the usual level is learnt
@@ -296,8 +297,13 @@ def _judge(memory):
 
 @njit
 def _wait(memory, settings):
-    """WAITING: quiet until it is this strut's turn; the countdown begins anew when another one is loud."""
+    """WAITING: quiet until it is this strut's turn; the countdown begins anew when another one is loud.
+
+    Random vibration passes the limit for moments again and again, and no countdown would ever end. What has been heard
+    for the longest wait is the disturbance.
+    """
     dt = settings[Setting.DT]
+    memory[Slot.CLOCK] += dt
     if memory[Slot.QUICK] > _limit(memory[Slot.BASE], settings):
         memory[Slot.QUIET] = 0.0
         memory[Slot.LOUD] += dt
@@ -306,7 +312,11 @@ def _wait(memory, settings):
     else:
         memory[Slot.LOUD] = 0.0
         memory[Slot.QUIET] += dt
-    if memory[Slot.QUIET] >= TURN * settings[Setting.ORDER]:
+    turn = TURN * settings[Setting.ORDER]
+    if memory[Slot.CLOCK] > turn + LONGEST_WAIT:
+        memory[Slot.BASE] = max(memory[Slot.BASE], memory[Slot.PAST])
+        _go(memory, State.RETURNING)
+    elif memory[Slot.QUIET] >= turn:
         _go(memory, State.RETURNING)
 
 

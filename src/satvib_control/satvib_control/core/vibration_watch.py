@@ -15,7 +15,7 @@ that becomes loud while it comes back is itself the cause.
 | LISTENING | the law is let through (CONTROL) | ACTING | 0 V or excitation | the base, at 0 V |
 | ACTING | loud for `PATIENCE`, nearly for `PATIENCE_NEAR`, or the base in doubt for long | PAUSING | the law's | - |
 | PAUSING | the power no longer falls | WAITING if it fell by half, else RETURNING | fades to 0 | the base |
-| WAITING | quiet for its turn | RETURNING | 0 V | - |
+| WAITING | quiet for its turn, or 15 s more | RETURNING | 0 V | the base, after 15 s |
 | PAUSING | the power has risen at once (a peek) | RETURNING | 0 V for `PEEK_TIME` | the base |
 | RETURNING | loud for `PATIENCE_RETURNING`: a strike | PAUSING | fades in | - |
 | RETURNING | `TURN` has passed | ACTING | the law's | - |

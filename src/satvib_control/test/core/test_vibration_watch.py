@@ -283,3 +283,28 @@ def test_a_mode_that_rings_is_not_taken_for_the_open_loop(settings):
     y, d, shares, _ = Strut(settings, lambda _: 1.0, controlled, ring).run(60.0)
     assert loud_time(y, d) <= 5.0
     assert shares[-1] < 1.0
+
+
+@pytest.mark.parametrize('seed', range(1, 6))
+def test_random_vibration_does_not_keep_a_strut_waiting(settings, seed):
+    """Strut 3 is loud once, at 3 s, until its pause, and then hears a tone of random amplitude: never quiet for 4 s.
+
+    Truth: the law of strut 3 is not the cause, so it has its voltage again: a pause of at most 3 s, its turn of 4 s,
+    15 s more, and the return.
+    """
+    t = np.arange(int(60.0 * RATE)) / RATE
+    rises = np.repeat(np.random.default_rng(seed).random(len(t) // 60) < 0.5, 60)
+    amplitude = np.where(t < 2.0, 1.0, np.where(rises & (t > 5.0), 2.2, 0.7))
+    watch = VibrationWatch(settings(sample_rate=RATE), 1.0 / RATE, (3,))
+    shares = np.zeros((len(t), 3))
+    for k, now in enumerate(t):
+        acting, once = (
+            now >= 2.0,
+            now >= 3.0 and bool(np.all(shares[int(2.1 * RATE) : k, 2] == 1.0)),
+        )
+        y = np.array([0.3, 0.3, 4.0 if once else amplitude[k]]) * np.sin(2 * np.pi * 9.0 * now)
+        applied = 5.0 * shares[max(k - 1, 0)]
+        shares[k] = watch.step(y, applied, acting, not acting)[0]
+    paused = int(5.0 * RATE)
+    assert np.all(shares[paused - 100 : paused, 2] == 0.0)
+    assert np.any(shares[paused : int(28.0 * RATE), 2] == 1.0)
