@@ -223,7 +223,9 @@ def protection() -> str:
 
 def figure(path: Path) -> None:
     """Spectra with and without control, beside the bounds."""
-    fig, axes = plt.subplots(1, len(FIGURE_RIGS), figsize=(9.5, 3.6), sharey=True)
+    fig, axes = plt.subplots(
+        1, len(FIGURE_RIGS), figsize=(9.5, 3.8), sharey=True, layout='constrained'
+    )
     for ax, rig in zip(axes, FIGURE_RIGS, strict=True):
         idle = run(rig, 'off')
         with_law = run(rig, 'feedforward')
@@ -255,8 +257,8 @@ def figure(path: Path) -> None:
         )
         ax.grid(color='#dddddd')
     axes[0].set_ylabel('with over without control [dB]')
-    axes[0].legend(frameon=False, fontsize=8, loc='lower center')
-    fig.tight_layout()
+    lines, labels = axes[0].get_legend_handles_labels()
+    fig.legend(lines, labels, frameon=False, fontsize=9, loc='outside lower center', ncols=4)
     fig.savefig(path, dpi=110)
     plt.close(fig)
 
