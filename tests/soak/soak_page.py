@@ -6,8 +6,8 @@ from soaking import Growth, Soak
 
 KINDS = {True: 'realtime', False: 'lockstep'}
 _HEAD = (
-    '| process | RSS | RSS an hour | PSS | PSS an hour | 95 % | descriptors | shared memory |\n'
-    '|---|---:|---:|---:|---:|---:|---:|---:|'
+    '| process | RSS | RSS an hour | PSS | PSS an hour | own an hour | 95 % | descriptors | shared memory |\n'
+    '|---|---:|---:|---:|---:|---:|---:|---:|---:|'
 )
 
 
@@ -21,7 +21,7 @@ def _row(name: str, growth: Growth) -> str:
     first, last = growth.first, growth.last
     cells = [
         name, f'{last.resident:.1f} MB', f'{growth.resident[0]:+.2f} MB', f'{last.share:.1f} MB',
-        f'{growth.share[0]:+.2f} MB', f'{growth.share[1]:+.2f} to {growth.share[2]:+.2f}',
+        f'{growth.share[0]:+.2f} MB', f'{growth.private[0]:+.2f} MB', f'{growth.private[1]:+.2f} to {growth.private[2]:+.2f}',
         f'{first.descriptors}, {last.descriptors}', f'{first.segments}, {last.segments}',
     ]  # fmt: skip
     return f'| {" | ".join(cells)} |'

@@ -4,9 +4,9 @@
 
 Truth: the recording, and /proc. Allowed is what a history may still take in, and besides `_LEAK` for each sample and
 process: less than the smallest leak there is, one Python object for each sample, which has 16 bytes and its place in a
-list. The readings have pages of 4 kB, and an allocator keeps some of what was freed: that is `_NOISE`. Two processes have
-buffers that may be empty or full when they are read, which is in `_BUFFERS`: the plant 1000 messages of truth of up to
-2 kB, the recorder a chunk of 1 MB of the bag and its copy on the way to the disk.
+list. The readings have pages of 4 kB, and an allocator keeps some of what was freed: that is `_NOISE`. Two processes
+have buffers that may be empty or full when they are read, `_BUFFERS`: the plant 1000 messages of truth of up to 2 kB,
+the recorder a chunk of 1 MB of the bag and its copy on the way to the disk.
 """
 
 import pytest
@@ -35,8 +35,8 @@ def check(found):
 
 @pytest.mark.usefixtures('domain')
 def test_a_short_run_in_lockstep_does_not_grow(tmp_path):
-    """One strut at 50 Hz, 3500 samples; the last history is full after 2000."""
-    settings = ['duration=70', 'rig.acquisition.sample_rate=50', 'analysis={}']
+    """One strut at 50 Hz, 3000 samples; the last history is full after 2000."""
+    settings = ['duration=60', 'rig.acquisition.sample_rate=50', 'analysis={}']
     found = soak('paper_1dof_10hz', settings, tmp_path / 'soak', realtime=False, every=0.15)
     check(found)
 
