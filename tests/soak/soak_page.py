@@ -18,10 +18,10 @@ def marks(realtime: bool) -> tuple[str, str]:
 
 
 def _row(name: str, growth: Growth) -> str:
-    first, last = growth.first, growth.last
+    first, last, (middle, low, high) = growth.first, growth.last, growth.private
     cells = [
         name, f'{last.resident:.1f} MB', f'{growth.resident[0]:+.2f} MB', f'{last.share:.1f} MB',
-        f'{growth.share[0]:+.2f} MB', f'{growth.private[0]:+.2f} MB', f'{growth.private[1]:+.2f} to {growth.private[2]:+.2f}',
+        f'{growth.share[0]:+.2f} MB', f'{middle:+.2f} MB', f'{low:+.2f} to {high:+.2f}',
         f'{first.descriptors}, {last.descriptors}', f'{first.segments}, {last.segments}',
     ]  # fmt: skip
     return f'| {" | ".join(cells)} |'
