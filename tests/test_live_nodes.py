@@ -496,4 +496,18 @@ def test_a_schedule_from_a_stranger_changes_nothing(start, probe):
     for process in (plant, controller):
         probe.wait(lambda process=process: 'refused: schedule' in process.said)
         assert process.popen.poll() is None
+    # a run whose own publisher has gone, as that of one message sent by hand, stays that run
+    probe.node.destroy_publisher(own)
+    probe.wait(lambda: probe.node.count_publishers('/schedule') == 1)
+    refused = [process.said.count('refused: schedule') for process in (plant, controller)]
+    before = len(states)
+    while len(states) < before + 300:
+        out.publish(schedule(phases=((4, 0),)))
+        seen = len(states)
+        probe.wait(lambda seen=seen: len(states) >= seen + 50)
+    assert {state.phase for state in states} == {0}
+    for process, count in zip((plant, controller), refused, strict=True):
+        probe.wait(
+            lambda process=process, count=count: process.said.count('refused: schedule') > count
+        )
     stranger.destroy_node()

@@ -163,6 +163,11 @@ class Stand:
             DiagnosticArray, '/diagnostics', self._on_diagnostics, wanted(whole=False, depth=200)
         )
 
+    def another_node(self, name):
+        """A second node of this process, which only publishes."""
+        self.join()
+        return self._rclpy.create_node(name, context=self._context)
+
     def _on_diagnostics(self, message):
         for status in message.status:
             if status.name.endswith('daq_bridge'):

@@ -134,6 +134,44 @@ def test_a_second_publisher_is_refused(stand):
     stand.drive()
 
 
+def test_a_schedule_of_a_stranger_ends_no_run(stand):
+    """Truth: the plan that the run began with. It makes no difference whether its publisher is still there."""
+    from satvib_common.ros.qos import offered
+
+    from satvib_msgs.msg import Schedule
+
+    stand.write_channels(**LOOPBACK)
+    stand.start_bridge()
+    stand.until_state('IDLE')
+    own = stand.node.create_publisher(Schedule, '/schedule', offered(1))
+    stand.start_answerers()
+    struts = ['strut_1', 'strut_2', 'strut_3']
+    plan = {'sample_period': 0.01, 'struts': struts, 'phases': [4], 'first_sequence': [0]}
+    own.publish(Schedule(**plan))
+    stand.drive()
+    stranger = stand.another_node('stranger')
+    out = stranger.create_publisher(Schedule, '/schedule', offered(1))
+    for publishers in (2, 1):
+        if publishers == 1:
+            stand.node.destroy_publisher(own)
+        stand.until(lambda n=publishers: stranger.count_publishers('/schedule') == n, 'publishers')
+        stand.until(lambda: out.get_subscription_count() == 1, 'the bridge')
+        for change in (
+            {'phases': [9]},
+            {'end_sequence': 1},
+            {'end_sequence': 2**64 - 1},
+            {'phases': [0]},
+        ):
+            out.publish(Schedule(**plan | change))
+            stand.latest.clear()
+            stand.until(lambda: 'sequence' in stand.latest, 'figures')
+        assert stand.state == 'ACTIVE'
+        assert stand.children['bridge'].poll() is None
+    said = stand.said('bridge')
+    assert 'refused: schedule: another one while a run is on, from /stranger' in said
+    stranger.destroy_node()
+
+
 def test_an_unplugged_device_and_its_return(stand):
     """The device goes: FAULT with its reason. It is back: reset opens it again, and the samples count on."""
     stand.write_channels()

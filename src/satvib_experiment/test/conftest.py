@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs that several test files look at, and a writer of bags from the message definitions alone."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -132,11 +133,12 @@ def _write_diagnostics(store, writer, diagnostics):
 
 def write_bag(
     recording, path, keep=lambda *_: True, groups=tuple(TOPICS), custom=True, diagnostics=(), schedule=True,
-    storage=StoragePlugin.MCAP, compression=CompressionMode.NONE, foreign=(),
+    storage=StoragePlugin.MCAP, compression=CompressionMode.NONE, foreign=(), strangers=(),
 ):  # fmt: skip
     """Write a recording as a bag.
 
-    keep(group, strut, k) drops messages; diagnostics are (node, key, value); foreign are topics of std_msgs/msg/Empty.
+    keep(group, strut, k) drops messages; diagnostics are (node, key, value); foreign are topics of std_msgs/msg/Empty;
+    strangers are changes of the schedule, each another message after the run's own.
     """
     store = _typestore()
     made = Writer(path, version=9, storage_plugin=storage)
@@ -154,7 +156,9 @@ def write_bag(
             kind = 'satvib_msgs/msg/Schedule'
             connection = writer.add_connection('/schedule', kind, typestore=store)
             message = _schedule(store, recording)
-            writer.write(connection, 0, store.serialize_cdr(message, kind))
+            for change in ({}, *strangers):
+                changed = replace(message, **change)
+                writer.write(connection, 0, store.serialize_cdr(changed, kind))
         if diagnostics:
             _write_diagnostics(store, writer, diagnostics)
         for group in groups:

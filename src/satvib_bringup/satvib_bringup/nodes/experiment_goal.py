@@ -24,8 +24,8 @@ class GoalResult:
     """What the client gets.
 
     Attributes:
-        success: the run and its report are complete.
-        message: one line.
+        success: the run and its report are complete, and the run is a result.
+        message: one line; of a run that is no result, why.
         folder: of the run.
         struts: names.
         attenuation: dB per strut, by kind.
@@ -100,11 +100,14 @@ class ExperimentGoal:
         result.message = outcome.message
         write_scenario(scenario, target)
         if outcome.success:
-            evaluation = write_report(read_recording(target), target).evaluation
+            report = write_report(read_recording(target), target)
+            evaluation = report.evaluation
             result.attenuation = {
                 kind: [float(value) for value in evaluation.attenuation[kind]] for kind in KINDS
             }
-            result.success = True
+            if shortfalls := report.result['shortfalls']:
+                result.message = f'this run is no result: {" ".join(shortfalls)}'
+            result.success = not shortfalls
 
     def _saw(self, progress: Progress) -> None:
         self.progress = progress

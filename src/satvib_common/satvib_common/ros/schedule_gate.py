@@ -8,7 +8,8 @@
 | another rate or other struts than the node has | `SatvibError`: the node was started wrongly | refused |
 | the plan in force, again | taken | taken |
 | another plan, no publisher is new since the run's own plan | taken | taken |
-| another plan, and a publisher is new while an old one is still there | refused | refused |
+| another plan, a publisher is new, an old one is still there | refused | refused |
+| another plan, a publisher is new, the old ones are gone | taken | refused while samples come, then taken |
 | another plan, and several publishers were there before it | refused | taken |
 
 What is refused is logged as an error, with the names of the publishers that are new, and changes nothing. A message
@@ -39,6 +40,8 @@ class ScheduleGate:
         rate: Hz, sample rate of the node.
         struts: names that a schedule must have; none: any.
         running: whether a run is on now.
+        quiet: whether no sample has come for a while: a new run may begin then. A node that is the source of the
+            samples is never quiet.
     """
 
     def __init__(
@@ -48,9 +51,10 @@ class ScheduleGate:
         rate: float,
         running: Callable[[], bool],
         struts: Sequence[str] = (),
+        quiet: Callable[[], bool] = lambda: False,
     ) -> None:
         self._node, self._topic, self._rate = node, node.resolve_topic_name(topic), rate
-        self._running, self._struts = running, list(struts)
+        self._running, self._struts, self._quiet = running, list(struts), quiet
         self._plan: PhasePlan | None = None
         self._publishers: set[bytes] = set()
         self._foreign: PhasePlan | None = None
@@ -88,7 +92,7 @@ class ScheduleGate:
             for info in infos
         }
         newcomers = set(present) - self._publishers
-        stranger = bool(newcomers and set(present) & self._publishers)
+        stranger = bool(newcomers) and (bool(set(present) & self._publishers) or not self._quiet())
         doubtful = not running and self._plan not in {None, plan} and len(present) > 1
         if (running and stranger) or doubtful:
             names = ', '.join(sorted(present[gid] for gid in newcomers or present))

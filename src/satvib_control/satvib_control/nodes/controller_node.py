@@ -62,8 +62,8 @@ class ControllerNode(SatvibNode[P]):
         self.offer('release')
         self.plan: PhasePlan | None = None
         self.patient_until = time.monotonic() + _PATIENCE
-        rate = self.parameters.sample_rate
-        self.gate = ScheduleGate(self, self.shared('schedule'), rate, self.run_is_on)
+        rate, on, quiet = self.parameters.sample_rate, self.run_is_on, self.is_quiet
+        self.gate = ScheduleGate(self, self.shared('schedule'), rate, on, quiet=quiet)
         self.fit = Fit(self, rate, self.run_is_on)
         self.last: ControllerOutput | None = None
         self.voltages = [blank(VcaVoltage) for _ in struts]
@@ -173,6 +173,10 @@ class ControllerNode(SatvibNode[P]):
         return (
             plan is not None and last is not None and (not plan.end or last.sequence < plan.end - 1)
         )
+
+    def is_quiet(self) -> bool:
+        """Whether no sample was answered for a while."""
+        return self.report.is_quiet()
 
     def answer(
         self,

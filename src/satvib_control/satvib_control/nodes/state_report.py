@@ -10,6 +10,7 @@ from typing import Any
 from satvib_common.ros.convert import nanoseconds
 from satvib_common.ros.delivery.wire import blank
 from satvib_common.ros.qos import offered
+from satvib_common.ros.reporting import QUIET
 
 from satvib_control.core.output import ControllerOutput
 from satvib_msgs.msg import ControllerState, StrutProgress
@@ -73,6 +74,10 @@ class StateReport:
             self.progress_at = now
             self._show_progress(output, samples)
         self._slowest = max(self._slowest, now - start)
+
+    def is_quiet(self) -> bool:
+        """Whether no sample was answered for a while."""
+        return time.perf_counter() - self.progress_at > QUIET
 
     def diagnose(self, last: ControllerOutput) -> tuple[str, dict[str, object]]:
         """Give the reasons of all struts in the newest output, and figures of the time since the report before."""

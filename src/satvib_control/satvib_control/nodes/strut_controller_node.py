@@ -6,7 +6,6 @@ It listens to its own strut only. In lockstep a sample waits until the schedule 
 sample, until the model of the sample before is there; in real time the newest model is taken.
 """
 
-import time
 from collections import deque
 
 import numpy as np
@@ -16,7 +15,7 @@ from satvib_common.phases import PhasePlan
 from satvib_common.ros.delivery.endpoints import Input
 from satvib_common.ros.main import run_node
 from satvib_common.ros.qos import wanted
-from satvib_common.ros.reporting import QUIET, source_of
+from satvib_common.ros.reporting import source_of
 from satvib_common.sequence import Arrival, SequenceTracker
 from satvib_ident.models.iir_model import IirModel
 from std_msgs.msg import UInt64
@@ -89,8 +88,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
     def awaits(self) -> str:
         """Give what is missing for the next answer."""
         found = awaited_input(self, ['acceleration'], self.shared('schedule'))
-        quiet = time.perf_counter() - self.report.progress_at > QUIET
-        if found or not self.waiting or self.plan is None or not quiet:
+        if found or not self.waiting or self.plan is None or not self.report.is_quiet():
             return found
         k = self.waiting[0][0].sequence
         if not self._is_judged(k):

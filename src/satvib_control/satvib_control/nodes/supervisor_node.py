@@ -8,6 +8,7 @@ the services have answered. In lockstep controllers with `supervised` wait for t
 check, so what is asked holds from that sample on, as offline.
 """
 
+import time
 from collections import deque
 from functools import partial
 
@@ -17,7 +18,7 @@ from satvib_common.phases import PhasePlan
 from satvib_common.ros.main import run_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
-from satvib_common.ros.reporting import source_of
+from satvib_common.ros.reporting import QUIET, source_of
 from satvib_common.ros.schedule_gate import ScheduleGate
 from satvib_common.struts.names import strut_names
 from std_msgs.msg import UInt64
@@ -43,7 +44,11 @@ class SupervisorNode(SatvibNode[SupervisorParameters]):
         self.names = strut_names(p.struts)
         self.judged_out = self.publish_on(UInt64, 'supervision')
         self.plan: PhasePlan | None = None
-        self.gate = ScheduleGate(self, 'schedule', p.sample_rate, self.run_is_on, self.names)
+        self.heard_at = 0.0  # s of the steady clock
+        self.gate = ScheduleGate(
+            self, 'schedule', p.sample_rate, self.run_is_on, self.names,
+            quiet=lambda: time.monotonic() - self.heard_at > QUIET,
+        )  # fmt: skip
         self.asked: list[str] = []
         self._begin()
 
@@ -120,7 +125,7 @@ class SupervisorNode(SatvibNode[SupervisorParameters]):
         while self.plan is not None and self.waiting:
             k, whole = self.waiting.popleft()
             values = np.array(whole).reshape(-1, 2)
-            self.last = k
+            self.last, self.heard_at = k, time.monotonic()
             asks = self.core.step(k, self.plan, values[:, 0], values[:, 1])
             for i in np.flatnonzero(asks):
                 self._ask(int(i), SERVICES[Ask(int(asks[i]))])

@@ -36,6 +36,7 @@ from satvib_daq_bridge.protocol.framing import FrameReader
 
 _DRIFT = 2e-4  # of the clocks against each other, generously
 _MICRO = 1e6
+_LARGEST = 2**31 - 1  # uV, what a message holds
 # samples by which the numbers may be ahead of the host's clock, and the share by which the device's clock may be faster
 _AHEAD, _FASTER = 50.0, 1.001
 # damaged numbers in a row that make a fault: then the device, not the line, is wrong
@@ -101,7 +102,7 @@ class Serial(BackEnd):
         self._session = 1 + int.from_bytes(os.urandom(2), 'little') % 0xFFFF
         limits = [0] * self._identity.outputs
         for _, coil in self.channels.outputs:
-            limits[coil.index] = math.ceil(coil.limit / coil.gain * _MICRO)
+            limits[coil.index] = min(math.ceil(coil.limit / coil.gain * _MICRO), _LARGEST)
         setup = messages.Configure(
             self._session,
             1,
@@ -151,7 +152,7 @@ class Serial(BackEnd):
         assert self._identity is not None
         values = [0] * self._identity.outputs
         for index, value in zip(self._outputs, volts, strict=True):
-            values[index] = round(float(value) * _MICRO)
+            values[index] = max(-_LARGEST, min(round(float(value) * _MICRO), _LARGEST))
         self._number = (self._number + 1) & 0xFFFFFFFF
         command = messages.Command(
             self._session, self._number, sequence & 0xFFFFFFFF, enable, tuple(values)

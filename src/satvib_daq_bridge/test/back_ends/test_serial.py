@@ -7,6 +7,7 @@ Truth: the rules of docs/serial_protocol.md. What is written and read is real; t
 
 import os
 import select
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from satvib_daq_bridge.back_ends.base import BackEndError
 from satvib_daq_bridge.back_ends.serial_port import PORTION
 from satvib_daq_bridge.protocol.framing import frame
 from satvib_daq_bridge.protocol.messages import Configure, Hold, parse
+from satvib_daq_bridge.simulated.device import Device
+from satvib_daq_bridge.simulated.emulated_board import identity_of
 from satvib_plant_sim.rig.rig import load_rig
 
 RIG = load_rig('paper_3dof')
@@ -46,6 +49,23 @@ def test_a_command_reaches_the_terminals(bench):
     bench.write([1.0, -2.0, 0.5], 0)
     bench.to_device()
     assert bench.device.targets == (1_000_000.0, -2_000_000.0, 500_000.0)
+
+
+def test_the_largest_converter_that_a_message_can_name(new_bench):
+    """Truth: 2^31 - 1 uV, the most that the protocol holds. A channels file may say a thousandth more."""
+    widest = 2**31 - 1
+    made = new_bench(coil={'range': [-2149.0, 2149.0], 'gain': 1.0, 'limit': 2149.0, 'slew': 1e7})
+    made.device = Device(
+        replace(identity_of(RIG), output_low=-widest, output_high=widest)
+    )  # fmt: skip
+    made.open()
+    assert made.device.configured.limits == (widest,) * 3
+    made.to_host(made.sample())
+    made.poll()
+    made.write([2149.0, -2149.0, 0.0], 0)
+    made.to_device()
+    assert made.device.targets == (widest, -widest, 0.0)
+    made.close()
 
 
 def test_any_split_and_any_merge(bench):

@@ -130,22 +130,33 @@ def test_the_firmware_does_what_the_model_does(program, seed):
 
 
 @needs_compiler
-@pytest.mark.parametrize('limit', [1, 10_000_000, 1_073_741_823, 1_073_741_824, 2**31 - 1])
-def test_outputs_move_from_end_to_end_without_overflow(program, limit):
-    """Truth: a straight line between the ends, in whole numbers (1 uV), for limits up to what a file accepts."""
+@pytest.mark.parametrize(
+    'limits',
+    [
+        *[(v,) * 3 for v in (0, 1, 10_000_000, 1_073_741_823, 1_073_741_824, 2**31 - 1)],
+        *np.exp(np.random.default_rng(7).uniform(0.0, np.log(2**31), (12, 3))).astype(int).tolist(),
+    ],
+    ids=str,
+)
+def test_outputs_move_from_end_to_end_without_overflow(program, limits):
+    """Truth: a straight line between the ends, in whole uV, for limits up to what a file accepts, 2^31 - 1 uV.
+
+    What is asked for lies beyond the limit where a message can say it.
+    """
     firmware = Firmware(program)
-    period, ends = 4_000_000, (limit, -limit, limit)
-    firmware.tell(
-        'r', 0, frame(pack(Configure(1, 1, period, 50_000, Hold.LINEAR, 6, (limit,) * 3)))
-    )
+    period = 4_000_000
+    setup = Configure(1, 1, period, 50_000, Hold.LINEAR, 6, tuple(limits))
+    firmware.tell('r', 0, frame(pack(setup)))
     now = 0
-    before = 0
-    for number, end in enumerate(ends, start=1):
+    before = np.zeros(3)
+    for number, sign in enumerate((1, -1, 1), start=1):
+        asked = tuple(sign * min(2 * limit, 2**31 - 1) for limit in limits)
+        end = sign * np.array(limits, dtype=float)
         firmware.tell('s', now)
-        firmware.tell('r', now, frame(pack(Command(1, number, number - 1, True, (end,) * 3))))
+        firmware.tell('r', now, frame(pack(Command(1, number, number - 1, True, asked))))
         for share in (0, 1, 2, 3, 4):
             got = [int(v) for v in firmware.tell('o', now + 1000 * share).split(',')]
-            assert got == pytest.approx([before + (end - before) * share / 4] * 3, abs=1.0)
+            assert got == pytest.approx(before + (end - before) * share / 4, abs=1.0)
         now += 4000
         before = end
     firmware.close()

@@ -5,6 +5,7 @@
 import numpy as np
 from satvib_common.arrays import Mask
 from satvib_common.phases import Phase
+from satvib_common.struts.applied import TEXTS, Applied
 
 from satvib_experiment.recording.recording import Recording
 
@@ -45,9 +46,24 @@ def _no_voltage(recording: Recording, control: Mask) -> list[str]:
         return []
     voltage = np.nan_to_num(recording.get('voltage', 'voltage')[control])
     if voltage.any():
-        return []
+        return _not_applied(recording, control)
     why = _last_reasons(recording)
     where = 'The voltage was 0 V at every strut, from the first sample of CONTROL to the last'
+    return [f'{where}: {why}.' if why else f'{where}.']
+
+
+def _not_applied(recording: Recording, control: Mask) -> list[str]:
+    """Say that the laws asked for voltages and no coil got one, where the source of the samples says it."""
+    if not recording.has('acceleration', 'applied_state'):
+        return []
+    # a sample says it of the sample before
+    state = recording.get('acceleration', 'applied_state')[1:][control[:-1]]
+    applied = recording.get('acceleration', 'applied')[1:][control[:-1]]
+    known = np.nan_to_num(state) != Applied.UNKNOWN
+    if not known.any() or np.nan_to_num(applied[known]).any():
+        return []
+    why = '; '.join(sorted({TEXTS[Applied(int(s))] for s in np.unique(state[known])} - {''}))
+    where = 'No coil got any voltage of CONTROL, though the laws asked for some'
     return [f'{where}: {why}.' if why else f'{where}.']
 
 

@@ -4,7 +4,9 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from satvib_common.struts.applied import TEXTS, Applied
 from satvib_experiment.analysis.shortfalls import shortfalls
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import simulate
@@ -31,6 +33,37 @@ def test_no_trusted_model_and_no_voltage_are_said():
 
 def test_a_run_that_is_not_meant_to_act_has_none():
     assert shortfalls(simulate(load_scenario('quick_3dof', ['controller.law=off']))) == []
+
+
+@pytest.mark.parametrize(
+    ('state', 'share', 'said'),
+    [
+        (
+            Applied.LATCHED,
+            0.0,
+            ['No coil got any voltage of CONTROL, though the laws asked for some'],
+        ),
+        (
+            Applied.WAITING,
+            0.0,
+            ['No coil got any voltage of CONTROL, though the laws asked for some'],
+        ),
+        (Applied.APPLIED, 1.0, []),
+        (Applied.UNKNOWN, 0.0, []),
+    ],
+)
+def test_voltages_that_were_never_applied_are_said(sound, state, share, said):
+    """Truth: by hand. The laws asked as in a sound run; what the coils got is what the source of the samples says."""
+    asked = sound.get('voltage', 'voltage')
+    got = share * np.roll(asked, 1, axis=0)
+    samples = sound.groups['acceleration'] | {
+        'applied': got,
+        'applied_state': np.full(asked.shape, state, np.uint8),
+    }
+    run = replace(sound, groups=sound.groups | {'acceleration': samples})
+    found = shortfalls(run)
+    assert [line.split(':')[0] for line in found] == said
+    assert all(TEXTS[state] in line for line in found)
 
 
 @pytest.mark.parametrize(('late', 'said'), [(10, False), (20, True)])

@@ -166,6 +166,24 @@ def test_a_bag_without_schedule_tells_struts_and_phases_by_its_messages(
         read_recording(bag)
 
 
+@pytest.mark.parametrize(
+    'stranger',
+    [
+        {'phases': np.array([9], np.uint8), 'first_sequence': np.array([0], np.uint64)},
+        {'phases': np.array([0], np.uint8), 'first_sequence': np.array([0], np.uint64)},
+        {'first_sequence': np.arange(5, dtype=np.uint64)},
+    ],
+    ids=['an unknown phase', 'STANDBY for ever', 'other samples'],
+)
+def test_the_schedule_that_the_struts_followed_counts(quick_run, bag_writer, tmp_path, stranger):
+    """Truth: the plan of the run. A stranger's schedule that the nodes refused is in the bag, after the run's own."""
+    bag = bag_writer(quick_run, tmp_path / 'bag', strangers=(stranger, stranger))
+    back = read_recording(bag)
+    assert back.plan == quick_run.plan
+    assert differences(quick_run, back) == []
+    assert any('3 schedules that differ; the one that the struts followed' in n for n in back.notes)
+
+
 def test_the_schedule_names_the_scenario_of_a_bag_without_it(quick_run, bag_writer, tmp_path):
     """Truth: the scenario that ran."""
     back = read_recording(bag_writer(quick_run, tmp_path / 'plain', custom=False))

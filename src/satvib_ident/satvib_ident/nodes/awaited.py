@@ -2,10 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an identifier waits for, in words."""
 
-import time
 from typing import Any
 
-from satvib_common.ros.reporting import QUIET, source_of
+from satvib_common.ros.reporting import source_of
 
 
 def awaited(node: Any) -> str:
@@ -15,8 +14,7 @@ def awaited(node: Any) -> str:
         return f'samples on {source_of(node, "acceleration")}'
     if times is None:
         return f'the schedule on {source_of(node, node.shared("schedule"))}; until then no estimate'
-    quiet = time.monotonic() - node.hearing.heard_at > QUIET
-    if not quiet or not node.hearing.on or times.is_over(last):
+    if not node.hearing.is_quiet() or times.is_over(last):
         return ''
     if waiting := len(node.pairing):
         k = last - waiting + 1 - node.pairing.delay

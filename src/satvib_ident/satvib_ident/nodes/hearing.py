@@ -10,6 +10,7 @@ from rclpy.qos import QoSProfile
 from satvib_common.ros.delivery.endpoints import Input
 from satvib_common.ros.loop.pace import PaceFollower
 from satvib_common.ros.node import SatvibNode
+from satvib_common.ros.reporting import QUIET
 
 from satvib_msgs.msg import StrutAcceleration, VcaVoltage
 
@@ -47,6 +48,10 @@ class Hearing:
     def on(self) -> bool:
         """Whether samples are heard."""
         return self._samples is not None
+
+    def is_quiet(self) -> bool:
+        """Whether it listens to samples, and none has come for a while."""
+        return self.on and time.monotonic() - self.heard_at > QUIET
 
     def begin(self) -> None:
         """Listen to voltages and samples, if it does not do so already."""

@@ -36,9 +36,8 @@ from satvib_ident.parameters import IdentifierParameters
 from satvib_ident.rehearsal import rehearse
 from satvib_msgs.msg import ControllerState, IirParameters, Schedule, StrutAcceleration, VcaVoltage
 
-_GATHER = 0.005  # s
+_GATHER, _LOOK = 0.005, 0.1  # s
 _NEAR = 9  # samples
-_LOOK = 0.1  # s
 
 
 class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
@@ -57,12 +56,13 @@ class StrutIdentifierNode(SatvibNode[IdentifierParameters]):
             rehearse(IdentifierCore(p))
         self.core = IdentifierCore(p)
         self.times: ModelTimes | None = None
-        self.gate = ScheduleGate(self, self.shared('schedule'), p.sample_rate, self._run_is_on)
-        self.fit = Fit(self, p.sample_rate, self._run_is_on)
         self.hearing = Hearing(
             self, self._on_voltage, self._on_acceleration,
             lambda: self.pairing.set_wait(self.in_lockstep), lambda: self.times is not None,
         )  # fmt: skip
+        run, quiet = self._run_is_on, self.hearing.is_quiet
+        self.gate = ScheduleGate(self, self.shared('schedule'), p.sample_rate, run, quiet=quiet)
+        self.fit = Fit(self, p.sample_rate, run)
         self.phases = frozenset(Phase[name] for name in p.estimate_in)
         self.core.tracker = SequenceTracker(confirm=True, zero_restarts=self.in_lockstep)
         self.pairing: VoltagePairing[StrutAcceleration] = VoltagePairing(

@@ -31,12 +31,14 @@ def report(
 
     What is missing in the recording is said, and the rest is reported. A recording that was cut short is read as far as
     it goes; one with damaged bytes is refused without --recover.
+
+    Exit code 3: the run is no result (no trusted model, no voltage under control, more than 1 % late).
     """
     from satvib_experiment.recording.load import load_recording
     from satvib_experiment.report.build import refuse_existing, write_report
     from satvib_experiment.report.drawing import Drawing
 
-    from satvib_bringup.cli.console import make_console, show_page, show_result
+    from satvib_bringup.cli.console import NO_RESULT, make_console, show_page, show_result
 
     source = source.resolve()
     name = source.name if source.is_dir() else source.stem
@@ -47,3 +49,5 @@ def report(
         recording = load_recording(source, recover)
         written = write_report(recording, folder, drawing, partial(show_result, console))
     show_page(console, written.page)
+    if written.result['shortfalls']:
+        raise typer.Exit(NO_RESULT)

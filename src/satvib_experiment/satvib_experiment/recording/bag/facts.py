@@ -11,6 +11,8 @@ from satvib_common.phases import Phase, PhasePlan
 
 _PERIODS = (1e-7, 1e3)  # s
 _MOST_STRUTS = 1000
+# of schedules that differ, so many are looked at, and of samples about so many
+_CANDIDATES, _ASKED = 100, 2000
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,8 @@ def facts_of(
 
     Args:
         bag: its name, for the errors.
-        schedules: topic and message of each schedule; the last one counts.
+        schedules: topic and message of each schedule. A stranger may have sent some: the one that the struts followed
+            counts, of several such the last one.
         measured: messages of acceleration by strut.
         states: messages of controllers by strut.
 
@@ -58,19 +61,14 @@ def facts_of(
         raise SatvibError(
             f'{bag}: several schedules: {printable(listed, 200)}; record one graph in one bag'
         )
-    schedule = schedules[-1][1]
+    schedule, plan = _followed(bag, [message for _, message in schedules], states)
     struts = tuple(schedule.struts)
     if not struts or len(struts) > _MOST_STRUTS or not all(s and s.isprintable() for s in struts):
         raise SatvibError(f'{bag}: the schedule names no struts')
-    plan = PhasePlan(
-        tuple(_phase(bag, p) for p in schedule.phases),
-        tuple(int(k) for k in schedule.first_sequence),
-        int(schedule.end_sequence),
-    )
     notes = []
-    if any(_differs(schedule, other) for _, other in schedules):
+    if any(_key(schedule) != _key(other) for _, other in schedules):
         notes.append(
-            f'The recording holds {len(schedules)} schedules that differ; the last one counts.'
+            f'The recording holds {len(schedules)} schedules that differ; the one that the struts followed counts.'
         )
     return Facts(
         scenario=printable(schedule.scenario, 200),
@@ -82,12 +80,47 @@ def facts_of(
     )
 
 
-def _differs(first: Any, second: Any) -> bool:
-    return bool(
-        list(first.first_sequence) != list(second.first_sequence)
-        or list(first.phases) != list(second.phases)
-        or first.struts != second.struts
-        or first.sample_period != second.sample_period
+def _key(schedule: Any) -> tuple[Any, ...]:
+    """What two equal schedules have in common."""
+    return (
+        tuple(schedule.first_sequence),
+        tuple(schedule.phases),
+        int(schedule.end_sequence),
+        tuple(schedule.struts),
+        schedule.sample_period,
+    )
+
+
+def _followed(
+    bag: str, schedules: list[Any], states: dict[str, list[Any]]
+) -> tuple[Any, PhasePlan]:
+    """Give the schedule whose phases the controllers said, and its plan; the last one where none said any."""
+    distinct = list({_key(s): s for s in schedules}.values())
+    if len(distinct) == 1:
+        return distinct[0], _plan(bag, distinct[0])
+    said = {int(m.sequence): int(m.phase) for messages in states.values() for m in messages}
+    some = sorted(said)[:: max(len(said) // _ASKED, 1)]
+    best, most, refused = None, -1, None
+    for schedule in distinct[:_CANDIDATES]:
+        try:
+            plan = _plan(bag, schedule)
+        except SatvibError as error:
+            refused = error
+            continue
+        fits = sum(plan.at(k) == said[k] and not 0 < plan.end <= k for k in some)
+        if fits >= most:
+            best, most = (schedule, plan), fits
+    if best is None:
+        assert refused is not None
+        raise refused
+    return best
+
+
+def _plan(bag: str, schedule: Any) -> PhasePlan:
+    return PhasePlan(
+        tuple(_phase(bag, p) for p in schedule.phases),
+        tuple(int(k) for k in schedule.first_sequence),
+        int(schedule.end_sequence),
     )
 
 
