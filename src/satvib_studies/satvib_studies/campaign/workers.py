@@ -97,6 +97,21 @@ def cores() -> int:
     return len(os.sched_getaffinity(0))
 
 
+def unprotected(scheduler: str) -> str:
+    """Give a line about a scheduler that anybody on the network can use, or an empty text.
+
+    Args:
+        scheduler: its address; one of this machine is not spoken of.
+    """
+    protocol, _, host = scheduler.rpartition('://')
+    if protocol not in {'tcp', ''} or host.startswith(('127.', 'localhost', '[::1]')):
+        return ''
+    return (
+        f'{scheduler}: this connection is neither encrypted nor authenticated; whoever reaches the scheduler can run '
+        'code; make keys with: ./satvib campaign --make-keys FILE'
+    )
+
+
 @contextlib.contextmanager
 def _client(scheduler: str) -> Iterator[Any]:
     """Give a client of a Dask scheduler."""

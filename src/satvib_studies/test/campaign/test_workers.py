@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import signal
 import socket
+import ssl
 import subprocess
 import sys
 from contextlib import ExitStack, contextmanager, suppress
@@ -13,8 +14,10 @@ from pathlib import Path
 
 import psutil
 import pytest
+import yaml
 from satvib_common.errors import SatvibError
 from satvib_studies.campaign import workers
+from satvib_studies.campaign.keys import write_keys
 from satvib_studies.campaign.processes import run_in_processes
 from satvib_studies.campaign.run import begin, go_on
 from satvib_studies.campaign.settings import Campaign
@@ -37,9 +40,9 @@ def wanted(tmp_path_factory):
 
 
 @contextmanager
-def process(*words):
-    """A Dask process of its own; gone at the end."""
-    env = os.environ | {'PYTHONPATH': os.pathsep.join(p for p in sys.path if p)}
+def process(*words, **more):
+    """A Dask process of its own, with more variables; gone at the end."""
+    env = os.environ | {'PYTHONPATH': os.pathsep.join(p for p in sys.path if p)} | more
     started = subprocess.Popen(
         [sys.executable, '-m', *words], env=env,
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
@@ -121,18 +124,48 @@ def test_processes_of_this_machine_open_no_socket():
     assert found == {0: b'\0', 1: b'\0'}
 
 
-def test_scheduler_and_two_workers_of_which_one_is_killed(tmp_path, wanted):
-    """Truth: the table made without any other process; equal bytes, though a worker dies after the first part."""
-    address = f'tcp://127.0.0.1:{free_port()}'
-    worker = ('dask', 'worker', address, '--nthreads', '1', '--no-nanny', '--no-dashboard')
-    words = ('dask', 'scheduler', '--host', address, '--no-dashboard')
+@pytest.fixture
+def keys(tmp_path):
+    """A file of keys, and Dask's settings with it in this process."""
+    import dask
+    import distributed  # noqa: F401 - brings its settings
+
+    path = tmp_path / 'keys.yaml'
+    write_keys(path)
+    with dask.config.set(dask.config.merge(dask.config.config, yaml.safe_load(path.read_text()))):
+        yield path
+
+
+def listening(pid):
+    """Addresses on which a process waits for connections."""
+    return {
+        f'{c.laddr.ip}:{c.laddr.port}'
+        for c in psutil.Process(pid).net_connections('inet')
+        if c.status == psutil.CONN_LISTEN
+    }
+
+
+def test_scheduler_and_two_workers_of_which_one_is_killed(tmp_path, wanted, keys):
+    """Truth: the table made without any other process; equal bytes, though a worker dies after the first part.
+
+    The processes have keys: each listens at one address, where TLS is spoken, and has no port for web pages.
+    """
+    port = free_port()
+    address = f'tls://127.0.0.1:{port}'
+    worker = ('dask', 'worker', address, '--host', '127.0.0.1', '--nthreads', '1', '--no-nanny')
+    words = ('dask', 'scheduler', '--host', address)
     with ExitStack() as stack:
-        stack.enter_context(process(*words))
-        pair = [stack.enter_context(process(*worker)) for _ in range(2)]
+        scheduler = stack.enter_context(process(*words, DASK_CONFIG=str(keys)))
+        pair = [stack.enter_context(process(*worker, DASK_CONFIG=str(keys))) for _ in range(2)]
         from distributed import Client
 
         with Client(address, timeout=60, set_as_default=False) as client:
             client.wait_for_workers(2, timeout=60)
+            spoken = {client.scheduler.address, *client.scheduler_info()['workers']}
+        assert {a.partition('://')[0] for a in spoken} == {'tls'}
+        served = set().union(*(listening(p.pid) for p in (scheduler, *pair)))
+        assert served == {a.partition('://')[2] for a in spoken}
+        assert refused_without_keys(port)
         seen = []
 
         def told(done, _):
@@ -147,6 +180,39 @@ def test_scheduler_and_two_workers_of_which_one_is_killed(tmp_path, wanted):
         assert pair[1].poll() is None
     assert seen[-1] == 40
     assert (folder / 'trials.parquet').read_bytes() == wanted
+
+
+def refused_without_keys(port):
+    """Whether a scheduler closes the connection of somebody who has no certificate."""
+    context = ssl.create_default_context()
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+    with socket.create_connection(('127.0.0.1', port)) as plain:
+        plain.settimeout(60.0)
+        with context.wrap_socket(plain) as spoken:
+            try:  # TLS 1.3 tells it with the first answer
+                return spoken.recv(1) == b''
+            except ssl.SSLError as error:
+                return 'CERTIFICATE_REQUIRED' in str(error)
+
+
+def test_keys_are_for_their_owner_and_not_overwritten(keys):
+    assert keys.stat().st_mode & 0o777 == 0o600
+    with pytest.raises(SatvibError, match=r'keys\.yaml: exists already'):
+        write_keys(keys)
+
+
+@pytest.mark.parametrize(
+    ('address', 'open_'),
+    [
+        ('tcp://10.0.0.2:8786', True),
+        ('10.0.0.2:8786', True),
+        ('tls://10.0.0.2:8786', False),
+        ('tcp://127.0.0.1:8786', False),
+        ('tcp://localhost:8786', False),
+    ],
+)
+def test_a_scheduler_without_keys_is_said(address, open_):
+    assert ('neither encrypted' in workers.unprotected(address)) == open_
 
 
 @pytest.mark.long

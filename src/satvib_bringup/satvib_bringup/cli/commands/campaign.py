@@ -40,7 +40,15 @@ def campaign(
     scheduler: Annotated[
         str | None,
         typer.Option(
-            '--scheduler', help='Run on the workers of a Dask scheduler.', metavar='tcp://HOST:PORT'
+            '--scheduler', help='Run on the workers of a Dask scheduler.', metavar='tls://HOST:PORT'
+        ),
+    ] = None,
+    make_keys: Annotated[
+        Path | None,
+        typer.Option(
+            '--make-keys',
+            help='Write keys for a scheduler and its workers into a new file, and end: see docs/campaigns.md.',
+            metavar='FILE',
         ),
     ] = None,
     workers: Annotated[
@@ -60,9 +68,16 @@ def campaign(
     from satvib_studies.campaign.run import begin, go_on
     from satvib_studies.campaign.run import resume as open_again
     from satvib_studies.campaign.settings import load_campaign
+    from satvib_studies.campaign.workers import unprotected
 
     from satvib_bringup.cli.console import make_console
 
+    if make_keys is not None:
+        from satvib_studies.campaign.keys import write_keys
+
+        write_keys(make_keys)
+        typer.echo(f'{make_keys}: on every machine set DASK_CONFIG to a copy of this file')
+        return
     if (file is None) == (resume is None):
         raise SatvibError('campaign: either FILE or --resume DIR is needed')
     if resume is not None:
@@ -76,6 +91,8 @@ def campaign(
         loaded = load_campaign(str(file), settings or [])
         store = begin(loaded, free_run_folder(loaded.name, folder))
     console = make_console()
+    if scheduler is not None and (line := unprotected(scheduler)):
+        console.print(line, style='yellow')
     try:
         with _bar(console, f'campaign {store.campaign.name}') as progress:
             plan, table = go_on(store, scheduler, workers, progress)
