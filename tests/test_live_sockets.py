@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which sockets a node has. Truth: the kernel's own lists, /proc/PID/net and the descriptors of the process."""
+"""Which sockets a graph has. Truth: the kernel's own lists, /proc/PID/net and the descriptors of the process."""
 
 import contextlib
+import os
 import re
 import subprocess
 import sys
+from collections import defaultdict
 from pathlib import Path
 
 import pytest
@@ -30,13 +32,18 @@ print(answer.result().values[0].string_value)
 """
 
 
+def without_settings(monkeypatch):
+    """As in a shell in which nothing but ROS is sourced."""
+    for name in ('FASTRTPS_DEFAULT_PROFILES_FILE', 'ROS_AUTOMATIC_DISCOVERY_RANGE'):
+        monkeypatch.delenv(name, raising=False)
+
+
 @contextlib.contextmanager
 def plain_node(folder, monkeypatch, discovery_range):
     """plant_sim as `ros2 run` starts it, without any setting of ours, and the file with what it says."""
     from satvib_bringup.live.workspace import executable
 
-    monkeypatch.delenv('FASTRTPS_DEFAULT_PROFILES_FILE', raising=False)
-    monkeypatch.delenv('ROS_AUTOMATIC_DISCOVERY_RANGE', raising=False)
+    without_settings(monkeypatch)
     if discovery_range is not None:
         monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', discovery_range)
     log = folder / 'plant.log'
@@ -87,6 +94,60 @@ def test_a_node_listens_on_the_loopback_interface_alone(
         assert found
         assert (found == {LOOPBACK}) == closed, found
         assert ('the graph is open' in log.read_text()) != closed
+
+
+def test_every_process_of_a_run_is_on_the_loopback_interface_alone(
+    domain,  # noqa: ARG001
+    tmp_path,
+    monkeypatch,
+):
+    """Runner, plant, controller, identifier and recorder, while samples flow; no variable is set."""
+    from satvib_bringup.live.run import run_experiment
+    from satvib_experiment.scenario.scenario import load_scenario
+
+    without_settings(monkeypatch)
+    found = defaultdict(set)
+
+    def look(progress):
+        if progress.sequence > 200:
+            for pid in [os.getpid(), *members()]:
+                with contextlib.suppress(OSError):  # it has ended
+                    found[pid] |= sockets(pid)
+
+    def members():
+        for path in Path('/proc').glob('[0-9]*/cmdline'):
+            with contextlib.suppress(OSError):
+                if str(tmp_path / 'run').encode() in path.read_bytes():
+                    yield int(path.parent.name)
+
+    outcome = run_experiment(
+        load_scenario('paper_1dof_10hz'), tmp_path / 'run', progress=look, composition='separate'
+    )
+    assert outcome.success, outcome.message
+    assert len([pid for pid, addresses in found.items() if addresses]) >= 5
+    assert set().union(*found.values()) == {LOOPBACK}
+
+
+@pytest.mark.parametrize(
+    'words', [('topics', 'rate', '--seconds', '300'), ('watch', '--port', '0')]
+)
+def test_a_command_that_joins_a_graph_is_on_the_loopback_interface_alone(
+    domain,  # noqa: ARG001
+    probe,
+    tmp_path,
+    monkeypatch,
+    words,
+):
+    without_settings(monkeypatch)
+    command = [sys.executable, '-m', 'satvib_bringup.cli.main', *words]
+    before = set(probe.node.get_node_names_and_namespaces())
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, cwd=tmp_path)
+    try:
+        probe.wait(lambda: set(probe.node.get_node_names_and_namespaces()) - before)
+        assert sockets(process.pid) == {LOOPBACK}
+    finally:
+        process.kill()
+        process.wait()
 
 
 @pytest.mark.parametrize('discovery_range', [None, 'LOCALHOST'])

@@ -3,7 +3,7 @@
 """The `satvib` command: one file per subcommand in `commands`, their errors in one place.
 
 Exit codes: 0 all is well, 1 a run failed, 2 the input or the set-up is wrong, 3 a model
-that should not be used (`identify`), 70 a defect of satvib, 130 interrupted.
+that should not be used (`identify`) or a run that is no result, 70 a defect of satvib, 130 interrupted.
 """
 
 import sys
@@ -25,7 +25,7 @@ from satvib_bringup.cli.commands import (
     table,
     tune,
 )
-from satvib_bringup.cli.commands.graph import node, topics, watch
+from satvib_bringup.cli.commands.graph import node, policy, topics, watch
 from satvib_bringup.cli.last_resort import EXIT_CODE, is_switched_off, last_resort, show
 
 app = typer.Typer(
@@ -49,6 +49,7 @@ app.command('compare', short_help='Compare control schemes.')(compare.compare)
 app.command('bench', short_help='How fast the live graph is on this machine.')(bench.bench)
 app.command('node', short_help='Start any node.', context_settings=node.SETTINGS)(node.node)
 app.add_typer(topics.app, name='topics', short_help='Topics of a running graph: list, rate, echo.')
+app.command('policy', short_help="The SROS2 policy of a scenario's graph.")(policy.policy)
 app.command('watch', short_help='A local web page of a running graph.')(watch.watch)
 app.command('scenarios')(listing.scenarios)
 app.command('rigs')(listing.rigs)

@@ -14,15 +14,15 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from satvib_common.ros.main import init_ros
+from satvib_common.ros.main import lone_node
 from satvib_common.ros.qos import offered
 
 from satvib_bringup.live.discovery import REPORTS, Discovery
 from satvib_bringup.live.graph import Graph
 from satvib_bringup.live.progress import Progress
 from satvib_bringup.live.schedule_message import graph_schedule
+from satvib_bringup.live.security.enclaves import RUNNER, enclave_arguments
 from satvib_bringup.live.track import Track
 from satvib_msgs.msg import Schedule, StrutProgress
 
@@ -44,8 +44,7 @@ class Observer:
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
         self._context = Context()
-        init_ros(self._context)
-        self._node = Node('runner', context=self._context, start_parameter_services=False)
+        self._node = lone_node(RUNNER, self._context, enclave_arguments(RUNNER))
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._schedule_out = self._node.create_publisher(Schedule, '/schedule', offered(1))

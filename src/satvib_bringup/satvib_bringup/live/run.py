@@ -29,6 +29,7 @@ from satvib_bringup.live.graph import Graph, graph_of
 from satvib_bringup.live.observer import Observer
 from satvib_bringup.live.process import Process, Stage
 from satvib_bringup.live.progress import Outcome, Progress
+from satvib_bringup.live.security.enclaves import enclave_arguments
 from satvib_bringup.live.single import EndedError, SingleRun
 from satvib_bringup.live.supervisor import Supervisor
 from satvib_bringup.live.workspace import executable, graph_environment
@@ -200,7 +201,8 @@ class _Run:
 
     def _start(self, supervisor: Supervisor, process: Process, path: Path) -> None:
         parameters = self._parameter_file(process)
-        supervisor.start(process.full_name, [str(path), *process.arguments(parameters)])
+        given = process.arguments(parameters) + enclave_arguments(process.full_name)
+        supervisor.start(process.full_name, [str(path), *given])
 
     def _gather(self, supervisor: Supervisor, observer: Observer) -> None:
         """Wait until every node is there and every topic has its writer and its readers."""

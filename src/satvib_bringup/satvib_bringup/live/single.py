@@ -18,14 +18,13 @@ from typing import Any, Self
 import rclpy
 from rclpy.context import Context
 from rclpy.logging import LoggingSeverity
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 from satvib_common.errors import RunError, SatvibError
 from satvib_common.realtime import settle_memory
 from satvib_common.ros.delivery.endpoints import Input, Output
 from satvib_common.ros.delivery.exchange import Exchange
 from satvib_common.ros.host import Host, close_nodes
-from satvib_common.ros.main import init_ros
+from satvib_common.ros.main import lone_node
 from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.place import placed
 from satvib_common.ros.qos import offered
@@ -35,6 +34,7 @@ from satvib_bringup.live.graph import Graph
 from satvib_bringup.live.process import NodeSpec
 from satvib_bringup.live.progress import Progress
 from satvib_bringup.live.schedule_message import graph_schedule
+from satvib_bringup.live.security.enclaves import RUNNER, enclave_arguments
 from satvib_bringup.live.track import Track
 from satvib_msgs.msg import Schedule, StrutProgress
 
@@ -75,8 +75,7 @@ class SingleRun:
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
         self._context = Context()
-        init_ros(self._context)
-        self._runner = Node('runner', context=self._context, start_parameter_services=False)
+        self._runner = lone_node(RUNNER, self._context, enclave_arguments(RUNNER))
         self._exchange = Exchange(closed=True)
         self._track = Track(graph)
         out = self._runner.create_publisher(Schedule, '/schedule', offered(1))

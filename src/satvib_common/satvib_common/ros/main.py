@@ -21,6 +21,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from satvib_common.errors import RunError, SatvibError
@@ -43,7 +44,7 @@ Make = Callable[[], SatvibNode[Any]]
 
 
 def init_ros(context: Context | None = None, args: Sequence[str] | None = None) -> None:
-    """Start rclpy without its signal handling.
+    """Start rclpy without its signal handling, closed to the network unless the user's settings open it.
 
     Args:
         context: to start; None: the one of the process.
@@ -52,8 +53,25 @@ def init_ros(context: Context | None = None, args: Sequence[str] | None = None) 
     Raises:
         SatvibError: an argument, a parameter file or a variable of the environment that ROS cannot read.
     """
+    set_transport()
     with _refusals():
         rclpy.init(args=args, context=context, signal_handler_options=SignalHandlerOptions.NO)
+
+
+def lone_node(name: str, context: Context, arguments: Sequence[str] = ()) -> Node:
+    """Start a context and make a node in it that looks at a graph and is none of it: the runner, a tool.
+
+    Args:
+        name: of the node.
+        context: not started yet.
+        arguments: what follows `--ros-args`; none: those of the process.
+
+    Raises:
+        SatvibError: as `init_ros`, or the middleware cannot do what is asked of it.
+    """
+    init_ros(context, ['--ros-args', *arguments] if arguments else None)
+    with _refusals():
+        return Node(name, context=context, start_parameter_services=False)
 
 
 @contextlib.contextmanager

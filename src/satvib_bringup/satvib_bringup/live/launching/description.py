@@ -22,6 +22,7 @@ from satvib_common.errors import RunError
 
 from satvib_bringup.live.launching.member import Member
 from satvib_bringup.live.launching.plans import PLANS, Plan
+from satvib_bringup.live.security.enclaves import RUNNER, SCHEDULE, enclave_arguments
 from satvib_bringup.live.supervisor import Exit
 from satvib_bringup.live.workspace import graph_environment
 
@@ -53,12 +54,17 @@ def _action(member: Member, environment: dict[str, str]) -> Node:
         executable=member.executable,
         namespace=member.namespace,
         arguments=list(member.arguments),
-        ros_arguments=list(member.ros_arguments),
+        ros_arguments=[*member.ros_arguments, *enclave_arguments(_enclave(member))],
         additional_env=environment,
         output='screen',
         sigterm_timeout=_PATIENCE,
         **named,
     )
+
+
+def _enclave(member: Member) -> str:
+    """The node `schedule` begins the run, as the runner does elsewhere."""
+    return RUNNER if member.executable == SCHEDULE else member.full_name
 
 
 class _End:

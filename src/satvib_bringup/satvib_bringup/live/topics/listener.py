@@ -11,12 +11,13 @@ from typing import Any, Self
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
-from satvib_common.ros.main import init_ros
+from satvib_common.ros.main import lone_node
 from satvib_common.ros.qos import wanted
+
+from satvib_bringup.live.security.enclaves import TOOLS, enclave_arguments
 
 _SLICE = 0.05  # s
 _PATIENCE = 5.0  # s, for a topic that is named
@@ -77,8 +78,7 @@ class Listener:
 
     def __init__(self) -> None:
         self._context = Context()
-        init_ros(self._context)
-        self._node = Node(_OWN, context=self._context, start_parameter_services=False)
+        self._node = lone_node(_OWN, self._context, enclave_arguments(TOOLS))
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
 

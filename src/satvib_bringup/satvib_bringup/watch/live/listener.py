@@ -14,15 +14,15 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.context import Context
-from rclpy.node import Node
 from rclpy.qos import qos_profile_parameter_events
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF
 from satvib_common.ros.host import make_executor
-from satvib_common.ros.main import init_ros
+from satvib_common.ros.main import lone_node
 from satvib_common.ros.qos import wanted
 
+from satvib_bringup.live.security.enclaves import TOOLS, enclave_arguments
 from satvib_bringup.watch.graph import WatchedGraph
 from satvib_bringup.watch.live.strut_topics import StrutTopics
 from satvib_msgs.msg import Schedule
@@ -46,8 +46,7 @@ class GraphListener:
         self.graph = graph
         self.changed: set[str] = set()
         self._context = Context()
-        init_ros(self._context)
-        self.node = Node('watch', context=self._context, start_parameter_services=False)
+        self.node = lone_node('watch', self._context, enclave_arguments(TOOLS))
         self._executor = make_executor(self._context)
         self._executor.add_node(self.node)
         self._struts: dict[str, StrutTopics] = {}
