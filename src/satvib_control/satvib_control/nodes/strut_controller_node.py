@@ -6,6 +6,7 @@ It listens to its own strut only. In lockstep a sample waits until the schedule 
 sample, until the model of the sample before is there; in real time the newest model is taken.
 """
 
+import time
 from collections import deque
 
 import numpy as np
