@@ -55,7 +55,7 @@ def draw_geometry(ax: Axes, rig: Rig) -> None:
                     bbox={'boxstyle': 'circle,pad=0.2', 'fc': 'white', 'ec': STRUTS[i]})  # fmt: skip
     ax.set_aspect('equal')
     ax.set_axis_off()
-    ax.legend(loc='lower center', ncols=2)
+    ax.legend(loc='upper right')
     ax.set_title('hexapod_6dof')
 
 
@@ -85,6 +85,9 @@ def main() -> None:
         for name, run in runs.items():
             angle = tilt(rig, run.get('truth', 'stroke')) / ARC_SECOND
             right.plot(run.time, np.hypot(*angle.T), color=RUNS[name][1], lw=0.8, label=name)
+        # before that the coils excite the struts for identification
+        right.set_xlim(4.0, 30.0)
+        right.set_ylim(0.0, 200.0)
         right.axvspan(4.0, 14.0, color='#F2F2F2', zorder=0)
         right.set_xlabel('time in s')
         right.set_title('line of sight while a wheel runs up twice, arc seconds')

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         without_noise,
     )
     from satvib_plant_sim.rig.identified_rig import IirRig
-    from satvib_plant_sim.rig.payload_modes import payload_modes
+    from satvib_plant_sim.rig.payload_shapes import payload_modes
     from satvib_plant_sim.rig.random_rig import random_build, random_parts, random_payload
     from satvib_plant_sim.rig.rig import Rig, load_rig, rig_names
 

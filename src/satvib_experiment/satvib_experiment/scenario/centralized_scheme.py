@@ -61,7 +61,7 @@ def geometry_of(rig: AnyRig, where: str) -> dict[str, Any]:
         )
     if not rig.struts.each:
         return {'struts': rig.struts.count, 'strut_angles': rig.struts.angles}
-    from satvib_plant_sim.rig.payload_modes import payload_modes
+    from satvib_plant_sim.rig.payload_shapes import payload_modes
 
     shapes = payload_modes(rig).strut
     return {'struts': rig.struts.count, 'strut_shapes': [float(v) for v in shapes.ravel()]}

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     )
     from satvib_plant_sim.rig.fine_grid import fitted_grid
     from satvib_plant_sim.rig.identified_rig import IirRig
-    from satvib_plant_sim.rig.payload_modes import PayloadModes, payload_modes
+    from satvib_plant_sim.rig.payload_shapes import PayloadModes, payload_modes
     from satvib_plant_sim.rig.random_rig import random_build, random_parts, random_payload
     from satvib_plant_sim.rig.rig import Rig, load_rig, rig_names
     from satvib_plant_sim.rig.streams import Stream

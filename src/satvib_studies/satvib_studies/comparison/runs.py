@@ -19,7 +19,7 @@ from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_experiment.scenario.centralized_scheme import geometry_of
 from satvib_experiment.twin.closed_loop import ClosedLoop
-from satvib_plant_sim.rig.payload_modes import payload_modes
+from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.comparison.cases import OPEN, Comparison, drawn_rig

@@ -28,7 +28,7 @@ from satvib_experiment.scenario.memory import check_needs
 from satvib_plant_sim.disturbance.base import Disturbance
 from satvib_plant_sim.physics.noise import noise_floor
 from satvib_plant_sim.responses.all_struts import rig_response
-from satvib_plant_sim.rig.payload_modes import payload_modes
+from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.tuning.loop_cost import LoopFigure, loop_figures

@@ -12,7 +12,7 @@ from satvib_common.arrays import Array
 from satvib_common.levels import decibel
 from satvib_common.signals.integrator import leaky_integrator
 from satvib_plant_sim.responses.all_struts import rig_response
-from satvib_plant_sim.rig.payload_modes import payload_modes
+from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_studies.tuning.search import Tuned

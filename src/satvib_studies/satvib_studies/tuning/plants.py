@@ -17,7 +17,7 @@ from satvib_plant_sim.disturbance.tones import Tones
 from satvib_plant_sim.physics.modes import modal_frequencies
 from satvib_plant_sim.physics.state import size_of
 from satvib_plant_sim.responses.continuous import frequency_response, source_transfer
-from satvib_plant_sim.rig.payload_modes import payload_modes
+from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.random_rig import random_build
 from satvib_plant_sim.rig.rig import Rig
 from satvib_plant_sim.rig.streams import Stream
