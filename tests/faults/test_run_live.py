@@ -172,6 +172,7 @@ print(outcome.success, outcome.message, flush=True)
 """
 
 
+@pytest.mark.long
 def test_a_runner_that_is_stopped_for_a_while_harms_nothing(tmp_path):
     """SIGSTOP until the plant has ended: the graph needs no runner until then. Truth: the recording is complete."""
     folder = tmp_path / 'run'
