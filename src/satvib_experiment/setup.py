@@ -8,7 +8,9 @@ setup(
     name=NAME,
     version='0.1.0',
     packages=find_packages(exclude=['test', 'test.*']),
-    package_data={NAME: ['py.typed', 'scenarios/*.yaml', 'report/*.html', 'report/*.css']},
+    package_data={
+        NAME: ['py.typed', 'scenarios/*.yaml', 'report/*.html', 'report/*.css', 'report/*.js']
+    },
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),

@@ -148,8 +148,29 @@ def show_result(console: Console, result: dict[str, Any]) -> None:
     console.print(result_table(result))
     if result['reference_source']:
         console.print(f'to compare: {result["reference_source"]}', style='dim')
+    if sentence := line_of_sight(result):
+        console.print(f'• {sentence}')
     for note in result['notes']:
         console.print(f'• {note}')
+
+
+def line_of_sight(result: dict[str, Any]) -> str:
+    """Say how far the payload tilts; '' where it is not known."""
+    from satvib_experiment.analysis.line_of_sight import ARC_SECONDS
+
+    sights = result['line_of_sight']
+    shown = [
+        f'{ARC_SECONDS * sights[name]["true"]:.3g}" {words}'
+        for name, words in (
+            ('uncontrolled', 'without control'),
+            ('controlled', 'under control'),
+            ('open_loop', 'its open-loop twin in the same instants'),
+        )
+        if sights[name] and sights[name]['true'] is not None
+    ]
+    if not shown:
+        return ''
+    return f'line of sight, true, RMS above {sights["above"]:g} Hz: {", ".join(shown)}'
 
 
 def comparison_table(result: dict[str, Any]) -> Table:

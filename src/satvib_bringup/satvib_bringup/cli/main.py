@@ -16,6 +16,7 @@ from satvib_bringup.cli.commands import (
     bench,
     campaign,
     compare,
+    frf,
     identify,
     listing,
     report,
@@ -41,6 +42,7 @@ app.command('run', short_help='Run a scenario as a live graph; record and report
 app.command('simulate', short_help='Run a scenario in this process.')(simulate.simulate)
 app.command('report', short_help='Report a recorded run.')(report.report)
 app.command('identify', short_help='Identify a model of a record.')(identify.identify)
+app.command('frf', short_help='Measure frequency responses.')(frf.frf)
 app.command('study', short_help="Which signal identifies the paper's model.")(study.study)
 app.command('table', short_help='Laws on rigs under disturbances, as tables.')(table.table)
 app.command('campaign', short_help='Run thousands of drawn trials.')(campaign.campaign)

@@ -8,6 +8,7 @@ from satvib_common.door import door
 
 if TYPE_CHECKING:
     from satvib_common.signals.calibration import BiasCalibration
+    from satvib_common.signals.crest import low_crest_phases
     from satvib_common.signals.iir_filter import IirFilter
     from satvib_common.signals.integrator import LeakyIntegrator
     from satvib_common.signals.readings import possible
@@ -18,6 +19,7 @@ __all__ = [
     'IirFilter',
     'LeakyIntegrator',
     'MovingRms',
+    'low_crest_phases',
     'possible',
 ]
 __getattr__, __dir__ = door(__name__, __file__)

@@ -48,5 +48,5 @@ class StrutSignals:
 
     def at(self, index: int) -> Array:
         """Give the value (shape) at sample `index` of the phase, in the unit of `amplitude`."""
-        values = np.array([signal.at(index) for signal in self.signals])
+        values = np.array([signal.in_turn(index) for signal in self.signals])
         return np.broadcast_to(values if self.shape else values[0], self.shape)

@@ -77,13 +77,13 @@ def _number(folder: str, name: str) -> int:
     return int(found[1]) if found else 0
 
 
-def write_scenario(scenario: 'Scenario', folder: Path) -> None:
-    """Write the scenario as it was run, overrides included, to scenario.yaml.
+def write_scenario(scenario: 'Scenario', folder: Path, name: str = 'scenario.yaml') -> None:
+    """Write the scenario as it was run, overrides included, to a file of the folder.
 
     Raises:
         SatvibError: the file cannot be written.
     """
-    path = folder / 'scenario.yaml'
+    path = folder / name
     try:
         with path.open('x', encoding='utf-8') as sink:
             yaml.safe_dump(scenario.to_mapping(), sink, sort_keys=False, width=100)

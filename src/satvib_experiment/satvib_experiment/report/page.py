@@ -13,10 +13,12 @@ from satvib_common.errors import SatvibError
 from satvib_common.struts.names import strut_label
 
 from satvib_experiment.analysis.evaluation import KINDS
+from satvib_experiment.analysis.line_of_sight import ARC_SECONDS
 from satvib_experiment.report.comparison import HOLDS, OF_THE_PAPER, WHY
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.figures.registry import Drawn
 from satvib_experiment.report.models import TRUST
+from satvib_experiment.report.zoom import zoom_data
 
 KIND_HEADINGS = {
     'measured_rms': 'RMS, measured',
@@ -24,6 +26,11 @@ KIND_HEADINGS = {
     'measured_tone': 'tone, measured',
     'true_tone': 'tone, true',
 }
+STRETCHES = (
+    ('uncontrolled', 'without control'),
+    ('controlled', 'under control'),
+    ('open_loop', 'open-loop twin, same instants'),
+)
 
 
 def number(value: Any, digits: int = 2, signed: bool = False) -> str:
@@ -46,6 +53,14 @@ def percent(value: Any) -> str:
     return number(None if value is None else 100.0 * value, 1)
 
 
+def sight(value: Any, kind: str) -> str:
+    """Show an angle of the line of sight in microradians and arc seconds; a dash for what is unknown."""
+    angle = (value or {}).get(kind)
+    if angle is None:
+        return '–'
+    return f'{significant(1e6 * angle)} µrad, {significant(ARC_SECONDS * angle)}″'
+
+
 def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], path: Path) -> None:
     """Write report.html.
 
@@ -66,11 +81,13 @@ def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], p
         undefined=jinja2.StrictUndefined,
     )
     environment.filters |= {
-        'number': number, 'percent': percent, 'significant': significant, 'strut': strut_label,
+        'number': number, 'percent': percent, 'significant': significant, 'sight': sight,
+        'strut': strut_label,
     }  # fmt: skip
-    environment.globals['style'] = environment.loader.get_source(  # type: ignore[union-attr]
-        environment, 'style.css'
-    )[0]
+    for name, file in (('style', 'style.css'), ('script', 'zoom.js')):
+        environment.globals[name] = environment.loader.get_source(  # type: ignore[union-attr]
+            environment, file
+        )[0]
     kinds = [k for k in KINDS if any(s['attenuation'][k] is not None for s in result['struts'])]
     text = environment.get_template('page.html').render(
         result=result,
@@ -81,6 +98,8 @@ def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], p
         kinds=sorted(kinds, key=lambda k: list(KIND_HEADINGS).index(k)),
         headings=KIND_HEADINGS,
         spans=_spans(result),
+        stretches=STRETCHES,
+        zoom=zoom_data(context),
         parameter_names=_parameter_names(result),
         trust=list(TRUST),
         figures=[(figure, _embedded(figure.path)) for figure in figures],

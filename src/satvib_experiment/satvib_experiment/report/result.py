@@ -16,6 +16,7 @@ from satvib_experiment.analysis.evaluation import KINDS
 from satvib_experiment.analysis.shortfalls import shortfalls
 from satvib_experiment.report.comparison import plain
 from satvib_experiment.report.context import Context
+from satvib_experiment.report.judged import judged
 from satvib_experiment.report.models import model_summary
 
 FORMAT = 'satvib result 1'
@@ -42,6 +43,7 @@ def result_mapping(context: Context) -> dict[str, Any]:
             'frequencies': e.frequencies,
             'sensor_noise': e.noise,
             'struts': [_strut(context, i) for i in range(len(context.struts))],
+            **judged(context),
             'reference_source': e.reference_source or None,
             'lost': recording.lost(),
             'counts': recording.counts,

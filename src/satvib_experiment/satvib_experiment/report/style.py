@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from satvib_common.phases import Phase
 
 from satvib_experiment.recording.recording import Recording
+from satvib_experiment.report.palette import STRUTS as STRUTS
 
-# Okabe and Ito's palette
-STRUTS = ('#0072B2', '#D55E00', '#009E73', '#CC79A7', '#E69F00', '#56B4E9')
 OPEN = '#8C8C8C'  # without control
 TRUE = '#0072B2'  # what really happened
 MEASURED = '#D55E00'  # what the loop's samples say

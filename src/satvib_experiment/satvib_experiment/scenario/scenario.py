@@ -68,6 +68,9 @@ class AnalysisSettings(Schema):
     frequencies: tuple[float, ...] = param((), 'tones to look at', unit='Hz', above=0.0)
     reference: tuple[float, ...] = param((), 'attenuation to compare with, per strut', unit='dB')
     reference_source: str = param('', 'where those figures come from')
+    line_of_sight_from: float = param(
+        2.0, 'frequency above which the tilt of the payload counts', unit='Hz', above=0.0
+    )
 
     def check(self) -> None:
         """Check the windows."""

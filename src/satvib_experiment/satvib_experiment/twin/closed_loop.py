@@ -31,7 +31,7 @@ from satvib_ident.identifier import IdentifierCore
 from satvib_plant_sim.plant.failing_plant import FailingPlant, make_failing_plant
 from satvib_plant_sim.rig.any_rig import AnyRig, strut_count
 
-from satvib_experiment.recording.recording import Recording
+from satvib_experiment.recording.recording import Group, Recording
 from satvib_experiment.scenario.scenario import Scenario
 from satvib_experiment.twin.step import LoopStep
 from satvib_experiment.twin.step_recorder import StepRecorder
@@ -186,21 +186,25 @@ def simulate_open_loop(recording: Recording) -> Recording:
     end = int(recording.sequence[-1]) + 1
     samples = np.zeros((2, end, plant.struts))
     truths = np.zeros((2, end, plant.struts, plant.n_fine))
+    strokes = np.zeros((end, plant.struts))
     silence = np.zeros(plant.struts)
     for k in range(end):
         sample = plant.sample()
         samples[:, k] = sample.upper, sample.lower
         truth = plant.advance(silence)
         truths[:, k] = truth.upper, truth.lower
+        strokes[k] = truth.stroke
     first = int(recording.sequence[0])
     present = np.ones((end - first, plant.struts), dtype=bool)
     pairs = {'acceleration': samples[:, first:], 'truth': truths[:, first:]}
+    groups: dict[str, Group] = {
+        group: {'upper': upper, 'lower': lower, 'present': present}
+        for group, (upper, lower) in pairs.items()
+    }
+    groups['truth']['stroke'] = strokes[first:]
     return replace(
         recording,
-        groups={
-            group: {'upper': upper, 'lower': lower, 'present': present}
-            for group, (upper, lower) in pairs.items()
-        },
+        groups=groups,
         source=f'open-loop twin of {scenario.name}',
         counts={},
     )

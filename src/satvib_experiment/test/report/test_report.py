@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report: complete, self-contained, strict JSON, nothing overwritten."""
 
+import base64
 import json
 import re
 from dataclasses import replace
@@ -14,6 +15,7 @@ from satvib_common.errors import SatvibError
 from satvib_experiment.analysis.analysis import analyse
 from satvib_experiment.analysis.evaluation import KINDS
 from satvib_experiment.recording.bag_reader import read_recording
+from satvib_experiment.recording.signals import without_bias
 from satvib_experiment.report.build import write_report
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.drawing import Drawing
@@ -87,7 +89,7 @@ def test_the_page_needs_nothing_else(written):
     assert links.loaded
     assert all(link.startswith('data:image/png;base64,') for link in links.loaded)
     raw = written.page.read_text(encoding='utf-8')
-    assert not re.search(r'@import|url\(|<script|<link', raw)
+    assert not re.search(r'@import|url\(|<script[^>]*src|<link|https?://(?!www\.w3)', raw)
 
 
 def test_every_figure_is_in_the_page_and_beside_it(written):
@@ -200,3 +202,22 @@ def test_the_figures_are_drawn_after_the_result_is_known(made):
     """Truth: the folder of the figures at the moment when the caller is told."""
     _, seen = made
     assert seen == [('satvib result 1', [])]
+
+
+def test_the_samples_of_the_page_are_those_of_the_run(written, quick_run):
+    """Truth: the recording, upper acceleration without its bias and voltage; half a step of 16 bits."""
+    raw = written.page.read_text(encoding='utf-8')
+    (text,) = re.findall(r'<script type="application/json" id="samples">(.*?)</script>', raw)
+    about = json.loads(text)
+    assert (about['start'], about['period'], about['count']) == (0.0, 0.01, 400)
+    wanted = {
+        'acceleration': without_bias(quick_run),
+        'voltage': quick_run.get('voltage', 'voltage'),
+    }
+    assert [panel['name'] for panel in about['panels']] == list(wanted)
+    for panel in about['panels']:
+        for i, series in enumerate(panel['series']):
+            shown = panel['scale'] * np.frombuffer(base64.b64decode(series), dtype='<i2')
+            np.testing.assert_allclose(
+                shown, wanted[panel['name']][:, i], atol=0.501 * panel['scale']
+            )

@@ -184,3 +184,14 @@ def test_bad_settings_are_refused_by_name(name, options, message):
     """Truth: each description has one fault."""
     with pytest.raises(SatvibError, match=message):
         make_excitation(name, **({'amplitude': 1.0, 'dt': 0.01} | options))
+
+
+def test_struts_take_turns():
+    """Truth: the signal itself, from its first sample on in each turn of its strut, and 0 V in the other turns."""
+    options = {'amplitude': 2.0, 'dt': 0.01, 'interleave': False}
+    plain = [make_excitation('multisine', strut=s, **options).samples(150) for s in range(3)]
+    turns = [make_excitation('multisine', strut=s, turn=1.5, **options) for s in range(3)]
+    for s, signal in enumerate(turns):
+        expected = np.zeros(900)
+        expected[150 * s : 150 * (s + 1)] = expected[450 + 150 * s : 600 + 150 * s] = plain[s]
+        assert np.array_equal(signal.samples(900), expected)

@@ -16,19 +16,21 @@ if TYPE_CHECKING:
     from satvib_plant_sim.disturbance.shapes import Burst, Pulse, Trapezoid
     from satvib_plant_sim.disturbance.silence import Silence
     from satvib_plant_sim.disturbance.sine import Sine
-    from satvib_plant_sim.disturbance.sweep import Sweep
-    from satvib_plant_sim.disturbance.tones import Tones
+    from satvib_plant_sim.disturbance.sweep import SteppedSine, Sweep
+    from satvib_plant_sim.disturbance.tones import Multisine, Tones
 
 __all__ = [
     'Burst',
     'Disturbance',
     'Mixer',
     'MountedWheel',
+    'Multisine',
     'Pulse',
     'Random',
     'ReactionWheel',
     'Silence',
     'Sine',
+    'SteppedSine',
     'Sum',
     'Sweep',
     'Tones',

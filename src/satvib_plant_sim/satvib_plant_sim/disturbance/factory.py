@@ -15,14 +15,16 @@ from satvib_plant_sim.disturbance.reaction_wheel import MountedWheel, ReactionWh
 from satvib_plant_sim.disturbance.shapes import Burst, Pulse, Trapezoid
 from satvib_plant_sim.disturbance.silence import Silence
 from satvib_plant_sim.disturbance.sine import Sine
-from satvib_plant_sim.disturbance.sweep import Sweep
-from satvib_plant_sim.disturbance.tones import Tones
+from satvib_plant_sim.disturbance.sweep import SteppedSine, Sweep
+from satvib_plant_sim.disturbance.tones import Multisine, Tones
 
 _KINDS: dict[str, type[Disturbance]] = {
     'none': Silence,
     'sine': Sine,
     'tones': Tones,
+    'multisine': Multisine,
     'sweep': Sweep,
+    'stepped_sine': SteppedSine,
     'random': Random,
     'reaction_wheel': ReactionWheel,
     'mounted_wheel': MountedWheel,

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         strut_response,
     )
     from satvib_plant_sim.responses.periodic import best_command, periodic_response
+    from satvib_plant_sim.responses.transmission import plate_responses, transmissibility
 
 __all__ = [
     'RigResponse',
@@ -44,11 +45,13 @@ __all__ = [
     'lines',
     'payload_weight',
     'periodic_response',
+    'plate_responses',
     'rig_response',
     'sampled_rig',
     'source_transfer',
     'state_space',
     'strut_response',
+    'transmissibility',
     'weight_table',
 ]
 __getattr__, __dir__ = door(__name__, __file__)

@@ -22,6 +22,14 @@ EXAMPLES = {
     'sine': {'amplitude': 1.5, 'frequency': 10.0, 'phase': 30.0},
     'tones': {'amplitudes': [1.0, 0.5], 'frequencies': [10.0, 33.0], 'phases': [0.0, 90.0]},
     'sweep': {'amplitude': 1.0, 'frequency': 5.0, 'end_frequency': 40.0, 'duration': 2.0},
+    'multisine': {'rms': 0.5, 'low': 2.0, 'high': 60.0, 'period': 2.0},
+    'stepped_sine': {
+        'amplitude': 1.0,
+        'frequency': 5.0,
+        'end_frequency': 40.0,
+        'steps': 4,
+        'dwell': 0.5,
+    },
     'random': {'rms': 0.8, 'low': 2.0, 'high': 50.0},
     'reaction_wheel': {'speed': 10.0, 'harmonics': [1.0, 2.8], 'coefficients': [2e-4, 1e-4]},
     'mounted_wheel': {'speed': 10.0, 'axis': [0.0, 0.0, 2.0], 'axial': [2e-4]},
@@ -309,3 +317,38 @@ def test_a_band_above_the_fine_grid_is_refused():
     noise = make_disturbance({'kind': 'random', 'rms': 1.0, 'high': 1900.0})
     with pytest.raises(SatvibError, match=r'high: 1900\.0 Hz needs a truth of 76000 points'):
         Plant(load_rig('paper_3dof'), noise, 1)
+
+
+def test_a_multisine_has_its_lines_and_repeats():
+    """Truth: the transform of one period: 0.5 m/s^2 RMS, equal lines from 2 to 60 Hz, corrected by |T| = 1.25; 1e-9."""
+    settings_ = {'kind': 'multisine', **EXAMPLES['multisine']}
+    t, d = values(settings_, 4.0, transfer=lambda _: 1.25)
+    period = round(2.0 / H)
+    assert_allclose(d[period:], d[:period], atol=1e-12)
+    lines = 2 * np.abs(np.fft.rfft(d[:period])) / period
+    expected = np.zeros_like(lines)
+    expected[4:121] = 0.5 / 1.25 * np.sqrt(2 / 117)
+    assert_allclose(lines, expected, atol=1e-9)
+    assert np.abs(d).max() / d.std() < 1.7
+    assert len(t) == 2 * period
+
+
+def test_a_multisine_that_fits_no_grid_is_refused():
+    """Truth: 0.33333 s are no whole number of quarter milliseconds."""
+    with pytest.raises(SatvibError, match='no whole number of steps'):
+        values({'kind': 'multisine', 'rms': 1.0, 'low': 3.0, 'high': 60.0, 'period': 0.33333}, 1.0)
+    with pytest.raises(SatvibError, match='no multiple of'):
+        make_disturbance({'kind': 'multisine', 'rms': 1.0, 'low': 1.1, 'high': 1.9, 'period': 1.0})
+
+
+def test_a_stepped_sine_stays_at_its_frequencies():
+    """Truth: numpy's sine with the phase added up step by step; 1e-9. Nothing after the last step."""
+    disturbance = make_disturbance({'kind': 'stepped_sine', **EXAMPLES['stepped_sine']})
+    assert_allclose(disturbance.frequencies(), [5.0, 10.0, 20.0, 40.0])
+    t, d = values(disturbance, 3.0)
+    turns = np.zeros_like(t)
+    for i, f in enumerate([5.0, 10.0, 20.0, 40.0]):
+        turns += f * np.clip(t - 0.5 * i, 0.0, 0.5)
+    expected = np.where(t < 2.0, np.sin(2 * np.pi * turns), 0.0)
+    assert_allclose(d[t < 2.0 - H], expected[t < 2.0 - H], atol=1e-9)
+    assert_array_equal(d[t > 2.0 + H], 0.0)

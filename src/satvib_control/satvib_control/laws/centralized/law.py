@@ -19,7 +19,7 @@ When one sensor is missing no mode is known, and the law gives 0 V to all struts
 from enum import IntEnum
 
 import numpy as np
-from satvib_common.arrays import Array, Mask
+from satvib_common.arrays import Array, Complex, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.kernels.compile import kernel
 from satvib_common.kernels.direct_form import filter_sample
@@ -117,6 +117,15 @@ class Centralized(BasicLaw[CentralizedParameters]):
         u = modal_step(self._strut, self._mode, self._gains, self._integrator, self._state, y)
         self.state.reason = np.where(known, 0, BLIND)
         return np.where(known, u, 0.0)
+
+    def response_matrix(self, omega: Array) -> Complex:
+        """Give C (q, n, n) at frequencies (q,) in rad/sample, u = -C y over all struts."""
+        turn = np.exp(-1j * omega)
+        b, a = self._integrator
+        h = np.polyval(b[::-1], turn) / np.polyval(a[::-1], turn)
+        p, i, d = (row[None, :] for row in self._gains)
+        modes = p * h[:, None] + i * h[:, None] ** 2 + d
+        return np.asarray(np.einsum('im,qm,mj->qij', self._strut, modes, self._mode))
 
     def reset(self, mask: Mask | bool = True) -> None:
         """Set all integrators of an item to 0 where `mask` holds for any of its struts."""

@@ -11,7 +11,7 @@ from satvib_common.struts.motions import strut_matrix
 from satvib_control.core.centralized import CentralizedCore, _CommonWatch, make_core
 from satvib_control.core.controller import ControllerCore
 from satvib_control.core.faults import LOST_LONG
-from satvib_control.laws.centralized.law import BLIND
+from satvib_control.laws.centralized.law import BLIND, Centralized
 from satvib_control.laws.centralized.parameters import CentralizedParameters
 from satvib_control.nodes.sample_gatherer import SampleGatherer
 from satvib_control.parameters import ControllerParameters
@@ -181,3 +181,23 @@ def test_all_struts_listen_together_and_long_enough():
     pauses = np.flatnonzero(np.diff((shares[:, 0] < 1.0).astype(int)))
     assert len(pauses) >= 2
     assert np.min(pauses[1::2] - pauses[::2][: len(pauses) // 2]) >= 0.9 * RATE
+
+
+def test_the_response_of_the_law_is_what_it_does():
+    """Truth: the voltages that the law gives to tones at every sensor, in the steady state; 1e-6."""
+    p = parameters(
+        gains_p=(5.0, 40.0, 7.0),
+        gains_i=(90.0, 0.0, 20.0),
+        gains_d=(1.0, 0.5, 2.0),
+        voltage_limit=1e4,
+    )
+    law = Centralized(p, 1.0 / RATE, (3,))
+    omega = 2.0 * np.pi * 8.0 / RATE
+    found = law.response_matrix(np.array([omega]))[0]
+    k = np.arange(2000)
+    for j in range(3):
+        y = np.zeros((2000, 3))
+        y[:, j] = np.cos(omega * k)
+        u = answers(CentralizedCore(p), y)[1000:]  # 40 periods
+        lines = 2.0 / 1000.0 * np.exp(-1j * omega * k[1000:]) @ u
+        assert lines == pytest.approx(-found[:, j], rel=1e-6, abs=1e-6)

@@ -13,7 +13,10 @@ from satvib_experiment.report.context import Context
 FIGURES = (
     ('attenuation', 'Attenuation at a glance'),
     ('acceleration', 'Acceleration with control off and on'),
+    ('isolation', 'What an isolator is judged by'),
     ('spectra', 'Spectra'),
+    ('spectrogram', 'Spectrogram'),
+    ('line_of_sight', 'Line of sight'),
     ('parameters', 'Identified parameters'),
     ('model', 'Plant output and model output'),
     ('response', 'Models against the rig'),

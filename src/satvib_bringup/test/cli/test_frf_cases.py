@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""`satvib frf`: what it prints and leaves, of a scenario, a run and a file; what it refuses in one line."""
+
+import csv
+import json
+import sys
+
+import numpy as np
+import pytest
+from satvib_bringup.cli import main as cli
+
+QUICK = ('--duration', '6', '--period', '2', '--low', '2')
+
+
+@pytest.fixture
+def satvib(monkeypatch, capsys, tmp_path):
+    """Run the command in an empty folder; gives exit code, standard output and standard error."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv('COLUMNS', '110')
+    monkeypatch.setenv('SATVIB_TRACEBACK', '1')
+
+    def call(*arguments):
+        monkeypatch.setattr(sys, 'argv', ['satvib', *map(str, arguments)])
+        with pytest.raises(SystemExit) as caught:
+            cli.main()
+        shown = capsys.readouterr()
+        return caught.value.code or 0, shown.out, shown.err
+
+    return call
+
+
+def test_a_scenario_and_its_own_experiments(satvib, tmp_path):
+    """Truth: the curves that a rig of three struts has, and the same numbers from the experiment run by `simulate`."""
+    code, out, err = satvib('frf', 'soft_3dof', *QUICK, '--folder', 'one')
+    assert code == 0, err
+    found = json.loads((tmp_path / 'one/frf.json').read_text())
+    assert [(c['quantity'], c['loop']) for c in found['curves']] == (
+        [('transmissibility', 'open')] * 6
+        + [('transmissibility', 'velocity_feedback')] * 6
+        + [('path', 'open')] * 9
+    )
+    assert np.array(found['coupling']['ratio']).diagonal().tolist() == [1.0] * 3
+    for name in ('transmissibility', 'motions', 'paths', 'coupling'):
+        assert (tmp_path / f'one/figures/{name}.png').read_bytes().startswith(b'\x89PNG')
+        assert f'{name}.png' in out
+    rows = list(csv.DictReader((tmp_path / 'one/frf.csv').open()))
+    assert len(rows) == sum(c['lines'] for c in found['curves'])
+    assert {float(r['magnitude']) > 0.0 for r in rows} == {True}
+    code, _, err = satvib('simulate', 'one/base.yaml', '--folder', 'run')
+    assert code == 0, err
+    code, _, err = satvib('frf', 'run', '--folder', 'two')
+    assert code == 0, err
+    again = json.loads((tmp_path / 'two/frf.json').read_text())
+    assert again['curves'][:12] == found['curves'][:12]
+
+
+def test_a_file_of_columns(satvib, tmp_path):
+    """Truth: a gain of 0.5 and noise of a tenth of the output; a median coherence of 0.99, within 0.01."""
+    rng = np.random.default_rng(1)
+    x = rng.normal(size=8000)
+    y = 0.5 * x + 0.05 * rng.normal(size=8000)
+    rows = [f'{k * 0.005:.3f},{a:.6f},{b:.6f}' for k, (a, b) in enumerate(zip(x, y, strict=True))]
+    (tmp_path / 'log.csv').write_text('time [s],base,payload\n' + '\n'.join(rows) + '\n')
+    code, out, err = satvib(
+        'frf', 'log.csv', '--input', 'base', '--output', 'payload', '--low', '5', '--high', '90'
+    )
+    assert code == 0, err
+    found = json.loads((tmp_path / 'runs/log-frf-001/frf.json').read_text())['curves'][0]
+    assert found['coherence'] == pytest.approx(0.99, abs=0.01)
+    assert found['merit']['peak'] == pytest.approx(20 * np.log10(0.5), abs=1.0)
+    assert found['lowest'] >= 5.0
+    assert 'payload' in out
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'said'),
+    [
+        (('soft_3dof', '--estimator', 'H3'), "estimator: 'H3' is not one of H1, H2, Hv"),
+        (
+            ('soft_3dof', '--excite', 'payload'),
+            "--excite: 'payload' is not one of base, coils, both",
+        ),
+        (('soft_3dof', '--signal', 'noise'), "signal: 'noise' is not one of"),
+        (('soft_3dof', '--signal', 'stepped'), 'a coil is driven by'),
+        (('soft_3dof', '--duration', '2'), 'fewer than three periods'),
+        (('soft_3dof', '--resolution', '1', '--averages', '4'), 'give one of them'),
+        (('soft_3dof', '--period', '-1'), '--period: -1.0 is not above 0 s'),
+        (('soft_3dof', '--high', '150', '--duration', '30'), 'half the sample rate, 100 Hz'),
+        (('nowhere',), 'nowhere'),
+    ],
+)
+def test_what_is_wrong_is_one_line(satvib, arguments, said):
+    """Truth: the sentence, exit code 2."""
+    code, _, err = satvib('frf', *arguments)
+    assert code == 2
+    assert err.count('\n') == 1
+    assert said in err

@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 The satvib authors
+# SPDX-License-Identifier: Apache-2.0
+"""Line of sight: the tilt of the payload over time and by frequency, without and under control."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from satvib_experiment.analysis.bands import cumulative_rms, integrated, power_lines
+from satvib_experiment.analysis.line_of_sight import ARC_SECONDS, tilt_matrix, true_tilt
+from satvib_experiment.report.context import Context
+from satvib_experiment.report.judged import stretch
+from satvib_experiment.report.style import MEASURED, OPEN, STRUTS, TRUE, envelope, figure, legend
+
+CAPTION = (
+    'Tilt of the payload in arc seconds. Left: about x and y over the whole run, from the strokes of the struts. '
+    'Right: '
+    'RMS of both axes at and above a frequency: true (from the strokes) and measured (the upper accelerations '
+    'integrated twice; below some frequency that is sensor noise), without control (grey) and under control.'
+)
+_LOWEST = 0.5  # Hz
+
+
+def draw(context: Context, path: Path) -> bool:
+    """Draw the figure; False for a payload that does not tilt, or whose strokes are not known."""
+    tilt = true_tilt(context.recording)
+    if tilt is None:
+        return False
+    recording = context.recording
+    baseline = 'uncontrolled' if stretch(context, 'uncontrolled') else 'open_loop'
+    with figure(path, 1, 2, size=(11.0, 3.6), width_ratios=(1.5, 1)) as (drawn, axes):
+        left, right = axes[0]
+        for axis, name in enumerate('xy'):
+            envelope(
+                left, recording.time, ARC_SECONDS * tilt[:, axis], filled=True, bins=400,
+                color=STRUTS[axis], alpha=0.7, label=f'about {name}',
+            )  # fmt: skip
+        left.set_xlim(float(recording.time[0]), float(recording.time[-1]))
+        left.set_xlabel('time [s]')
+        left.set_ylabel('arc seconds')
+        for name, color in ((baseline, OPEN), ('controlled', TRUE)):
+            _cumulative(context, right, name, color)
+        right.set_xscale('log')
+        right.set_yscale('log')
+        right.set_xlim(_LOWEST, 0.5 / recording.sample_period)
+        right.set_xlabel('above this frequency [Hz]')
+        right.set_ylabel('arc seconds RMS')
+        legend(drawn, axes[0])
+    return True
+
+
+def _cumulative(context: Context, ax: Any, name: str, color: str) -> None:
+    found = stretch(context, name)
+    if found is None:
+        return
+    recording, span = found
+    window, dt = recording.window(*span), recording.sample_period
+    tilt, matrix = true_tilt(recording, window), tilt_matrix(recording.rig)
+    on = name == 'controlled'
+    words = 'control on' if on else 'control off'
+    if tilt is not None:
+        f, power = power_lines(tilt, dt)
+        total = cumulative_rms(power.sum(axis=-1))
+        ax.plot(f, ARC_SECONDS * total, color=color, lw=1.2, label=f'{words}, true')
+    if matrix is not None and on:
+        upper = np.nan_to_num(recording.get('acceleration', 'upper')[window])
+        f, power = power_lines(upper @ matrix.T, dt)
+        total = cumulative_rms(integrated(f, power, 2).sum(axis=-1))
+        ax.plot(f, ARC_SECONDS * total, color=MEASURED, lw=1.0, label=f'{words}, measured')
