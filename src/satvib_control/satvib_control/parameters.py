@@ -9,11 +9,16 @@ from satvib_control.laws.feedforward.parameters import FeedforwardParameters
 from satvib_control.laws.model_reference.parameters import ModelReferenceParameters
 from satvib_control.laws.narrowband.parameters import NarrowbandParameters
 from satvib_control.laws.registry import law_classes
+from satvib_control.laws.state_space.parameters import StateSpaceParameters
 
 
 @dataclass(frozen=True, kw_only=True)
 class ControllerParameters(
-    FeedforwardParameters, NarrowbandParameters, ModelReferenceParameters, CoreParameters
+    FeedforwardParameters,
+    NarrowbandParameters,
+    StateSpaceParameters,
+    ModelReferenceParameters,
+    CoreParameters,
 ):
     """All settings of a controller: those of its core and of every law, each with the prefix of its law.
 

@@ -16,6 +16,7 @@ LAWS = {
     'model_reference': 'satvib_control.laws.model_reference.law:ModelReference',
     'narrowband': 'satvib_control.laws.narrowband.law:Narrowband',
     'feedforward': 'satvib_control.laws.feedforward.law:Feedforward',
+    'state_space': 'satvib_control.laws.state_space.law:StateSpace',
     'centralized': 'satvib_control.laws.centralized.law:Centralized',
 }
 

@@ -4,6 +4,8 @@
 
 scheme: centralized
 centralized: {file: gains.yaml}        # or the gains themselves: gains_p, gains_i, gains_d
+
+The controllers of the struts take a file too, `controller: {file: notch.yaml}`.
 """
 
 from __future__ import annotations
@@ -25,27 +27,31 @@ _OF_STRUTS = ('law',)
 
 
 def take_gains(data: dict[str, Any], path: Path) -> None:
-    """Put what `centralized.file` holds in its place; what stands beside it wins.
+    """Put what `centralized.file` and `controller.file` hold in their places; what stands beside them wins.
 
     Args:
         data: mapping of a scenario, which changes.
         path: of the scenario, to which a relative name refers.
 
     Raises:
-        SatvibError: the file is not one of gains.
+        SatvibError: the file is not one of that section.
     """
-    section = data.get('centralized')
-    if not isinstance(section, Mapping) or 'file' not in section:
-        return
+    for name in ('centralized', 'controller'):
+        section = data.get(name)
+        if isinstance(section, Mapping) and 'file' in section:
+            data[name] = _with_file(name, section, path)
+
+
+def _with_file(name: str, section: Mapping[str, Any], path: Path) -> dict[str, Any]:
     own = dict(section)
-    name = str(own.pop('file'))
-    beside = path.parent / name
-    file = beside if beside.exists() else Path(name)
+    given = str(own.pop('file'))
+    beside = path.parent / given
+    file = beside if beside.exists() else Path(given)
     found = load_yaml(file)
-    gains = found.get('centralized') if isinstance(found, Mapping) else None
+    gains = found.get(name) if isinstance(found, Mapping) else None
     if not isinstance(gains, Mapping):
-        raise SatvibError(f'{file}: no gains in it, the key centralized is expected')
-    data['centralized'] = {**gains, **own}
+        raise SatvibError(f'{file}: no gains in it, the key {name} is expected')
+    return {**gains, **own}
 
 
 def geometry_of(rig: AnyRig, where: str) -> dict[str, Any]:

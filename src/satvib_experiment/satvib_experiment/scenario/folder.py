@@ -40,6 +40,10 @@ def listed_scenarios() -> list[Listed]:
     for name in scenario_names():
         data = load_settings(FOLDER / f'{name}.yaml')
         central = data.get('scheme') == 'centralized'
-        law = 'centralized' if central else data['controller']['law']
+        law = (
+            data.get('centralized', {}).get('law', 'centralized')
+            if central
+            else data['controller']['law']
+        )
         found.append(Listed(name, data['rig'], law, data['duration'], data.get('description', '')))
     return found

@@ -101,7 +101,11 @@ class Scenario(Schema):
         above=0.0,
     )
     identifier: dict[str, Any] = param(dict, 'parameters of the strut identifiers')
-    controller: dict[str, Any] = param(dict, 'parameters of the strut controllers')
+    controller: dict[str, Any] = param(
+        dict,
+        'parameters of the strut controllers; `file` names what `satvib tune --design notch` has '
+        'written',
+    )
     scheme: str = param(
         'decentralized',
         'a controller for each strut, or one for all of them',

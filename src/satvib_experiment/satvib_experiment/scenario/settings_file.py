@@ -14,7 +14,7 @@ from satvib_common.settings_text import change_settings, parse_setting, setting_
 # keys that begin so hold what the file uses elsewhere, by anchor and alias
 ASIDE = ('x_', 'x-')
 # keys of a scenario that may hold the path of a file
-SCENARIO_PATHS = ('rig', 'centralized.file')
+SCENARIO_PATHS = ('rig', 'controller.file', 'centralized.file')
 
 
 def resolve_path(name_or_path: str, folder: Path) -> str:

@@ -18,6 +18,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.files.yaml_file import load_yaml
 from satvib_common.schema import Schema, param, shown
 from satvib_common.settings_text import change_settings
+from satvib_experiment.scenario.centralized_scheme import take_gains
 from satvib_experiment.scenario.memory import STEP_TIME, check_needs
 from satvib_experiment.scenario.scenario import Scenario, check_scenario
 from satvib_plant_sim.plant.failures import Failure
@@ -136,7 +137,7 @@ def replayable(comparison: Comparison, scheme: str, case: str, seed: int) -> Sce
 
 
 def load_comparison(path: Path | None = None, overrides: Sequence[str] = ()) -> Comparison:
-    """Load the comparison of the package, or one of a file.
+    """Load the comparison of the package, or one of a file; what `file` names in the keys of a scheme is beside it.
 
     Raises:
         SatvibError: a wrong key, or a cell that is no scenario.
@@ -146,6 +147,9 @@ def load_comparison(path: Path | None = None, overrides: Sequence[str] = ()) -> 
     if not isinstance(data, dict):
         raise SatvibError(f'{file}: a mapping of keys is expected')
     change_settings(data, overrides)
+    for scheme in (data.get('schemes') or {}).values():
+        if isinstance(scheme, dict) and isinstance(scheme.get('keys'), dict):
+            take_gains(scheme['keys'], file)
     loaded = Comparison.from_mapping(data, str(file))
     samples = 0
     for scheme in loaded.schemes:

@@ -55,4 +55,4 @@ def draw(found: ComparisonResult, path: Path) -> None:
             ax.set_xlabel('time in s')
         for ax in axes[:, 0]:
             ax.set_ylabel('payload, m/s² RMS')
-        legend(drawn, axes[0, :1], columns=4)
+        legend(drawn, axes[0, :1], columns=3)

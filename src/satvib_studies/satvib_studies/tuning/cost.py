@@ -17,10 +17,11 @@ The cost of the gains is the mean of J over the plants and of its largest, half 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from satvib_common.arrays import Array, Mask
+from satvib_common.arrays import Array, Complex, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 from satvib_common.signals.integrator import leaky_integrator
@@ -31,7 +32,7 @@ from satvib_plant_sim.responses.all_struts import rig_response
 from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
 
-from satvib_studies.tuning.loop_cost import LoopFigure, loop_figures
+from satvib_studies.tuning.loop_cost import LoopFigure, controller_figures, loop_figures
 from satvib_studies.tuning.plants import gain_box, perturbed, spectrum_of
 
 UNSTABLE = 1000.0
@@ -59,6 +60,7 @@ class TuningCost:
         rig: as it is.
         disturbance: what shakes it.
         settings: see `CostSettings`.
+        extra: Hz, further frequencies at which margins are looked at.
 
     Attributes:
         lower, upper: (3 modes,) the box: P of every mode, then I, then D.
@@ -69,14 +71,18 @@ class TuningCost:
     """
 
     def __init__(
-        self, rig: Rig, disturbance: Disturbance, settings: CostSettings | None = None
+        self,
+        rig: Rig,
+        disturbance: Disturbance,
+        settings: CostSettings | None = None,
+        extra: Sequence[float] = (),
     ) -> None:
         self.rig, self.settings = rig, settings or CostSettings()
         p = self.settings
         samples = p.duration * rig.acquisition.sample_rate
         check_needs(f'cost.duration: {samples:.6g} samples', 32.0 * samples, 1e-7 * samples)
         self.plants = perturbed(rig, p.plants, p.seed)
-        spectrum = spectrum_of(disturbance, rig, p.seed, p.duration)
+        spectrum = spectrum_of(disturbance, rig, p.seed, p.duration, extra)
         self.frequency, self.power = spectrum.frequency, spectrum.power
         half = 0.5 * rig.acquisition.sample_rate
         self.noise = noise_floor(rig) ** 2 * spectrum.width / half
@@ -118,6 +124,15 @@ class TuningCost:
             )  # fmt: skip
         return np.asarray(found)
 
+    def controller_figures(self, controller: Complex) -> Array:
+        """Give the figures (plants, 4 + modes) of a controller of any kind, C (f, n, n), u = -C y."""
+        with np.errstate(all='ignore'):
+            found = controller_figures(
+                controller, *self._responses, self.power, self.noise, 2.0 * math.pi * self.frequency, self._mode,
+                self._tilting, self._like,
+            )  # fmt: skip
+        return np.asarray(found)
+
     @staticmethod
     def level(figures: Array) -> Array:
         """RMS of all modes together, m/s^2, of figures (..., 4 + modes)."""
@@ -126,7 +141,14 @@ class TuningCost:
 
     def each(self, gains: Array) -> Array:
         """Give J (particles, plants) of gains (particles, size)."""
-        p, f = self.settings, self.figures(gains)
+        f = self.figures(gains)
+        share = np.abs(np.asarray(gains, dtype=float)) / np.maximum(np.abs(self.lower), self.upper)
+        astray = UNSTABLE * (1.0 + np.mean(share, axis=-1))
+        return np.asarray(np.where(self.stable(f), self.of_stable(f), astray[:, None]))
+
+    def of_stable(self, figures: Array) -> Array:
+        """Give J (...) of the figures (..., 4 + modes) of stable loops."""
+        p, f = self.settings, figures
         tilt = (
             f[..., LoopFigure.TILT] / self.quiet[LoopFigure.TILT]
             if self.quiet[LoopFigure.TILT] > 0.0
@@ -134,17 +156,20 @@ class TuningCost:
         )
         short = np.maximum(1.0 - f[..., LoopFigure.MARGIN] / p.margin, 0.0)
         J = self.level(f) / self.level(self.quiet) + p.tilt * tilt
-        J = J + p.effort * (f[..., LoopFigure.VOLTS] / p.voltage_limit) ** 2 + p.penalty * short**2
-        share = np.abs(np.asarray(gains, dtype=float)) / np.maximum(np.abs(self.lower), self.upper)
-        astray = UNSTABLE * (1.0 + np.mean(share, axis=-1))
-        return np.asarray(np.where(self.stable(f), J, astray[:, None]))
+        return np.asarray(
+            J + p.effort * (f[..., LoopFigure.VOLTS] / p.voltage_limit) ** 2 + p.penalty * short**2
+        )
 
     @staticmethod
     def stable(figures: Array) -> Mask:
         """Whether the loops of figures (..., 4 + modes) are stable."""
         return np.asarray(np.abs(figures[..., LoopFigure.TURNS]) < 0.5)
 
+    @staticmethod
+    def together(J: Array) -> Array:
+        """Give the cost (...) of J (..., plants)."""
+        return np.asarray(0.5 * J.mean(axis=-1) + 0.5 * J.max(axis=-1))
+
     def __call__(self, gains: Array) -> Array:
         """Give the cost (particles,) of gains (particles, size)."""
-        J = self.each(gains)
-        return np.asarray(0.5 * J.mean(axis=1) + 0.5 * J.max(axis=1))
+        return self.together(self.each(gains))

@@ -15,7 +15,7 @@ One kernel, one item per set of gains and plant: a whole swarm on all plants is 
 
 import math
 from enum import IntEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from satvib_common.kernels.compile import kernel
@@ -137,6 +137,105 @@ def _largest(s: Any) -> float:
     return math.sqrt(mean + 2.0 * spread * math.cos(math.acos(r) / 3.0))
 
 
+class _Room(NamedTuple):
+    """What the sums of one line are made in: I + L, S and C S (n, n); voltages and accelerations (n)."""
+
+    M: Any
+    S: Any
+    CS: Any
+    u: Any
+    a: Any
+
+
+@njit
+def _room(n):
+    return _Room(
+        np.empty((n, n), dtype=np.complex128),
+        np.empty((n, n), dtype=np.complex128),
+        np.empty((n, n), dtype=np.complex128),
+        np.empty(n, dtype=np.complex128),
+        np.empty(n, dtype=np.complex128),
+    )
+
+
+@njit
+def _add_line(
+    C, room, read_voltage, true_voltage, read_source, true_source, power, noise, omega, mode, tilting, volts,
+    figures,
+):  # fmt: skip
+    """Add one line to the figures and to the mean squares of the voltages; gives det(I + L) and the margin there.
+
+    Args:
+        C: (n, n) the law, u = -C y.
+        room: for intermediate results.
+        read_voltage, true_voltage, read_source, true_source: at this line.
+        power, noise, omega: at this line.
+        mode: (m, n) T^-1.
+        tilting: (m) 1 where a mode tilts the line of sight, else 0.
+        volts: (n) changed, V^2.
+        figures: changed.
+    """
+    n, modes, inputs = mode.shape[1], mode.shape[0], power.shape[0]
+    M, S, CS, u, a = room.M, room.S, room.CS, room.u, room.a
+    for i in range(n):
+        for j in range(n):
+            total = 0.0j
+            for k in range(n):
+                total += read_voltage[i, k] * C[k, j]
+            M[i, j] = total + (1.0 if i == j else 0.0)
+    det = _invert(M, S)
+    margin = 1.0 / max(_largest(S), 1e-300)
+    loud = noise > 0.0
+    for e in range(inputs):
+        loud = loud or power[e] > 0.0
+    if not loud:
+        return det, margin
+    for i in range(n):
+        for j in range(n):
+            total = 0.0j
+            for k in range(n):
+                total += C[i, k] * S[k, j]
+            CS[i, j] = -total
+    for e in range(inputs + n):
+        # the disturbances first, then the noise of each sensor
+        weight = power[e] if e < inputs else noise
+        if weight == 0.0:
+            continue
+        for i in range(n):
+            u[i] = CS[i, e - inputs] if e >= inputs else 0.0
+            if e < inputs:
+                for k in range(n):
+                    u[i] += CS[i, k] * read_source[k, e]
+            volts[i] += weight * (u[i].real ** 2 + u[i].imag ** 2)
+        for i in range(n):
+            a[i] = true_source[i, e] if e < inputs else 0.0
+            for k in range(n):
+                a[i] += true_voltage[i, k] * u[k]
+        for m in range(modes):
+            q = 0.0j
+            for i in range(n):
+                q += mode[m, i] * a[i]
+            level = weight * (q.real**2 + q.imag**2)
+            figures[LoopFigure.MODES + m] += level
+            if tilting[m] > 0.0:
+                figures[LoopFigure.TILT] += level / omega**4
+    return det, margin
+
+
+@njit
+def _finish(figures, volts, margin, phase):
+    """Turn the sums into figures."""
+    figures[LoopFigure.TILT] = math.sqrt(figures[LoopFigure.TILT])
+    for i in range(LoopFigure.MODES, figures.shape[0]):
+        figures[i] = math.sqrt(figures[i])
+    largest = 0.0
+    for i in range(volts.shape[0]):
+        largest = max(largest, volts[i])
+    figures[LoopFigure.VOLTS] = math.sqrt(largest)
+    figures[LoopFigure.MARGIN] = margin
+    figures[LoopFigure.TURNS] = phase / math.pi
+
+
 @kernel(
     'void(f8[:,:],c16[:,:,:],c16[:,:,:],c16[:,:,:],c16[:,:,:],f8[:,:],f8[:],f8[:],c16[:],f8[:,:],'
     'f8[:,:],f8[:],f8[:],f8[:])',
@@ -173,16 +272,11 @@ def loop_figures(
         like: only its length counts, that of the result.
         figures: `LoopFigure`.
     """
-    n, modes, lines, inputs = strut.shape[0], strut.shape[1], omega.shape[0], power.shape[1]
+    n, modes, lines = strut.shape[0], strut.shape[1], omega.shape[0]
     for i in range(like.shape[0]):
         figures[i] = 0.0
     C = np.empty((n, n), dtype=np.complex128)
-    M = np.empty((n, n), dtype=np.complex128)
-    S = np.empty((n, n), dtype=np.complex128)
-    CS = np.empty((n, n), dtype=np.complex128)
-    u = np.empty(n, dtype=np.complex128)
-    a = np.empty(n, dtype=np.complex128)
-    volts = np.zeros(n)
+    room, volts = _room(n), np.zeros(n)
     margin, phase, before = 1e300, 0.0, 1.0 + 0.0j
     for f in range(lines):
         H = integrator[f]
@@ -194,57 +288,57 @@ def loop_figures(
             for i in range(n):
                 for j in range(n):
                     C[i, j] += strut[i, m] * c * mode[m, j]
-        for i in range(n):
-            for j in range(n):
-                total = 0.0j
-                for k in range(n):
-                    total += read_voltage[f, i, k] * C[k, j]
-                M[i, j] = total + (1.0 if i == j else 0.0)
-        det = _invert(M, S)
+        det, least = _add_line(
+            C, room, read_voltage[f], true_voltage[f], read_source[f], true_source[f], power[f], noise[f], omega[f],
+            mode,
+            tilting,
+            volts,
+            figures,
+        )  # fmt: skip
+        margin = min(margin, least)
         turned = det * before.conjugate()
         phase += math.atan2(turned.imag, turned.real)
         before = det
-        margin = min(margin, 1.0 / max(_largest(S), 1e-300))
-        loud = noise[f] > 0.0
-        for e in range(inputs):
-            loud = loud or power[f, e] > 0.0
-        if not loud:
-            continue
-        for i in range(n):
-            for j in range(n):
-                total = 0.0j
-                for k in range(n):
-                    total += C[i, k] * S[k, j]
-                CS[i, j] = -total
-        for e in range(inputs + n):
-            # the disturbances first, then the noise of each sensor
-            weight = power[f, e] if e < inputs else noise[f]
-            if weight == 0.0:
-                continue
-            for i in range(n):
-                u[i] = CS[i, e - inputs] if e >= inputs else 0.0
-                if e < inputs:
-                    for k in range(n):
-                        u[i] += CS[i, k] * read_source[f, k, e]
-                volts[i] += weight * (u[i].real ** 2 + u[i].imag ** 2)
-            for i in range(n):
-                a[i] = true_source[f, i, e] if e < inputs else 0.0
-                for k in range(n):
-                    a[i] += true_voltage[f, i, k] * u[k]
-            for m in range(modes):
-                q = 0.0j
-                for i in range(n):
-                    q += mode[m, i] * a[i]
-                level = weight * (q.real**2 + q.imag**2)
-                figures[LoopFigure.MODES + m] += level
-                if tilting[m] > 0.0:
-                    figures[LoopFigure.TILT] += level / omega[f] ** 4
-    figures[LoopFigure.TILT] = math.sqrt(figures[LoopFigure.TILT])
-    for i in range(LoopFigure.MODES, like.shape[0]):
-        figures[i] = math.sqrt(figures[i])
-    largest = 0.0
-    for i in range(n):
-        largest = max(largest, volts[i])
-    figures[LoopFigure.VOLTS] = math.sqrt(largest)
-    figures[LoopFigure.MARGIN] = margin
-    figures[LoopFigure.TURNS] = phase / math.pi
+    _finish(figures, volts, margin, phase)
+
+
+@kernel(
+    'void(c16[:,:,:],c16[:,:,:],c16[:,:,:],c16[:,:,:],c16[:,:,:],f8[:,:],f8[:],f8[:],f8[:,:],f8[:],f8[:],f8[:])',
+    '(f,n,n),(f,n,n),(f,n,n),(f,n,e),(f,n,e),(f,e),(f),(f),(m,n),(m),(r)->(r)',
+)
+def controller_figures(
+    controller: Any,
+    read_voltage: Any,
+    true_voltage: Any,
+    read_source: Any,
+    true_source: Any,
+    power: Any,
+    noise: Any,
+    omega: Any,
+    mode: Any,
+    tilting: Any,
+    like: Any,
+    figures: Any,
+) -> None:
+    """Judge one controller of any kind, C at each frequency, on one plant; the others are those of `loop_figures`.
+
+    The turns of the phase tell stability only where the controller is stable and the lines are close to each other.
+    """
+    n, lines = mode.shape[1], omega.shape[0]
+    for i in range(like.shape[0]):
+        figures[i] = 0.0
+    room, volts = _room(n), np.zeros(n)
+    margin, phase, before = 1e300, 0.0, 1.0 + 0.0j
+    for f in range(lines):
+        det, least = _add_line(
+            controller[f], room, read_voltage[f], true_voltage[f], read_source[f], true_source[f], power[f], noise[f],
+            omega[f], mode,
+            tilting,
+            volts,
+            figures,
+        )  # fmt: skip
+        margin = min(margin, least)
+        turned = det * before.conjugate()
+        phase += math.atan2(turned.imag, turned.real)
+        before = det
+    _finish(figures, volts, margin, phase)

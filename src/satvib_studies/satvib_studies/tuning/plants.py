@@ -55,12 +55,14 @@ class Spectrum:
     width: Array
 
 
-def spectrum_of(disturbance: Disturbance, rig: Rig, seed: int, duration: float) -> Spectrum:
+def spectrum_of(
+    disturbance: Disturbance, rig: Rig, seed: int, duration: float, more: Sequence[float] = ()
+) -> Spectrum:
     """Give the spectrum of a disturbance, and frequencies between that no margin is missed.
 
     Pure tones stand at their own frequencies; the rest is taken by Welch's method from `duration` s since its onset,
     as a mean when it changes with time. Lines are 0.25 Hz apart up to half the sample rate; below 3 Hz, where the
-    integrators turn, and about the modes others are between them.
+    integrators turn, about the modes and at `more` (Hz) others are between them.
     """
     half = 0.5 * rig.acquisition.sample_rate
     tones: dict[float, Array] = {}
@@ -82,6 +84,7 @@ def spectrum_of(disturbance: Disturbance, rig: Rig, seed: int, duration: float) 
     lines = _SPACING * np.arange(1, math.ceil(half / _SPACING - 1e-9))
     extra = [np.geomspace(0.01, 3.0, 60), np.array(sorted(tones))]
     extra += [np.geomspace(0.7 * f, min(1.4 * f, 0.99 * half), 40) for f in modal_frequencies(rig)]
+    extra.append(np.array([f for f in more if 0.0 < f < half]))
     grid = np.union1d(lines, np.concatenate(extra))
     power, width = np.zeros((len(grid), count)), np.zeros(len(grid))
     at = np.searchsorted(grid, lines)

@@ -162,20 +162,27 @@ class Search:
         return Tuned(self.rig, self.disturbance, self.settings, cost, result, self.untuned)
 
 
+def summary_row(cost: TuningCost, figures: Array, total: float) -> dict[str, float]:
+    """Give what is worth telling of figures (plants, 7): cost, dB, V, margin."""
+    still = cost.figures(np.zeros((1, cost.size)))[0]
+    decibels = decibel(cost.level(figures), cost.level(still))
+    return {
+        'cost': total,
+        'attenuation': float(decibels[0]),
+        'attenuation_worst_plant': float(decibels.max()),
+        'voltage': float(figures[0, LoopFigure.VOLTS]),
+        'margin': float(figures[0, LoopFigure.MARGIN]),
+        'margin_worst_plant': float(figures[:, LoopFigure.MARGIN].min()),
+    }
+
+
 def summary(found: Tuned) -> dict[str, dict[str, float]]:
     """Give the figures of the gains found and of the untuned ones: cost, dB, V, margin."""
-    rows = {}
-    for name, gains in (('tuned', found.result.position), ('untuned', found.untuned)):
-        figures, decibels = found.cost.figures(gains[None])[0], found.attenuation(gains)
-        rows[name] = {
-            'cost': float(found.cost(gains[None])[0]),
-            'attenuation': float(decibels[0]),
-            'attenuation_worst_plant': float(decibels.max()),
-            'voltage': float(figures[0, LoopFigure.VOLTS]),
-            'margin': float(figures[0, LoopFigure.MARGIN]),
-            'margin_worst_plant': float(figures[:, LoopFigure.MARGIN].min()),
-        }
-    return rows
+    cost = found.cost
+    return {
+        name: summary_row(cost, cost.figures(gains[None])[0], float(cost(gains[None])[0]))
+        for name, gains in (('tuned', found.result.position), ('untuned', found.untuned))
+    }
 
 
 def write_gains(found: Tuned, path: Path) -> None:
@@ -184,24 +191,39 @@ def write_gains(found: Tuned, path: Path) -> None:
     Raises:
         SatvibError: the file is there already, or cannot be written.
     """
-    history = found.result.history
-    gained = np.flatnonzero(np.diff(history[:, 1], prepend=np.inf) < 0.0)
     data = {
         'centralized': found.centralized(),
         'tuned_for': {'rig': found.rig.name, 'disturbance': found.disturbance},
+    } | how_found(summary(found), found.settings.to_mapping(), found.result)
+    head = 'Gains of the centralized law, written by `satvib tune`; attenuations in dB against 0 V.'
+    write_found(path, head, data)
+
+
+def how_found(
+    rows: dict[str, dict[str, float]], settings: dict[str, Any], result: SwarmResult
+) -> dict[str, Any]:
+    """Give the figures, the settings and the course of a search as plain data."""
+    history = result.history
+    gained = np.flatnonzero(np.diff(history[:, 1], prepend=np.inf) < 0.0)
+    return {
         'figures': {
-            name: {k: float(f'{v:.5g}') for k, v in values.items()}
-            for name, values in summary(found).items()
+            name: {k: float(f'{v:.5g}') for k, v in values.items()} for name, values in rows.items()
         },
-        'search': found.settings.to_mapping()
-        | {'evaluations': found.result.evaluations, 'ended': found.result.reason},
+        'search': settings | {'evaluations': result.evaluations, 'ended': result.reason},
         'cost_history': [[int(n), float(f'{c:.6g}')] for n, c in history[gained]],
     }
+
+
+def write_found(path: Path, head: str, data: dict[str, Any]) -> None:
+    """Write a new YAML file with a line of comment.
+
+    Raises:
+        SatvibError: the file is there already, or cannot be written.
+    """
     text = yaml.safe_dump(data, sort_keys=False, width=100, default_flow_style=None)
-    head = '# Gains of the centralized law, written by `satvib tune`; attenuations in dB against 0 V.\n'
     try:
         with path.open('x', encoding='utf-8') as sink:
-            sink.write(head + text)
+            sink.write(f'# {head}\n{text}')
     except FileExistsError:
         raise SatvibError(f'{path}: exists already, not overwritten') from None
     except OSError as error:

@@ -109,7 +109,8 @@ def test_tables_and_numbers_tell_every_cell(found):
     for case in c.case_list().values():
         assert f'| {case.title} |' in text
     assert text.count('**') == 2 * len(c.cases)
-    assert set(tables(found)) == {'compare after', 'compare settled', 'compare tilts'}
+    names = {'after', 'settled', 'tilts', 'voltages'}
+    assert set(tables(found)) == {f'compare {name}' for name in names}
     data = json.loads(json.dumps(plain(found), allow_nan=False))
     for cells in data['cases'].values():
         for scheme in c.schemes:
@@ -135,6 +136,8 @@ BAD = {
     'event=40': 'the run ends at 30.0 s',
     'windows.after=[3, 1]': 'windows.after: a start and a later end',
     'case.x=1': 'case: no such key; did you mean cases?',
+    'schemes.lqg.keys.centralized.file=none.yaml': 'none.yaml: ',
+    'schemes.notch.keys.controller.file=comparison.yaml': 'no gains in it, the key controller is expected',
 }
 
 

@@ -22,7 +22,7 @@ class CentralizedParameters(ControllerParameters):
     law: str = param(
         'centralized',
         'law; no other law gets the samples of all struts',
-        choices=('centralized',),
+        choices=('centralized', 'state_space'),
         read_only=Fixed.MEMORY,
     )
     strut_angles: tuple[float, ...] = param(
@@ -49,6 +49,11 @@ class CentralizedParameters(ControllerParameters):
         'D, on the acceleration of each mode: acts like a mass',
         unit='V/(m/s^2)',
     )
+
+    @property
+    def channels(self) -> int:
+        """How many readings and voltages the matrices of law state_space have: those of all struts."""
+        return self.struts
 
     def check(self) -> None:
         """Refuse gains that are not one per mode."""
