@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from satvib_common.arrays import Array
-from satvib_plant_sim.rig.payload_modes import payload_modes
+from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_experiment.analysis.bands import integrated, power_lines

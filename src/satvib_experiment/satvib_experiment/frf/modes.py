@@ -5,7 +5,7 @@
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_plant_sim.rig.any_rig import AnyRig
-from satvib_plant_sim.rig.payload_modes import payload_modes
+from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
 
 NAMES = {

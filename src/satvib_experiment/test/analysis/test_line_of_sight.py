@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from satvib_experiment.analysis.line_of_sight import line_of_sight, tilt_matrix
-from satvib_plant_sim.rig.payload_modes import payload_modes
+from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.rig import load_rig
 
 DT = 1.0 / 200.0
