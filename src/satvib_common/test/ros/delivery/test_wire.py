@@ -126,6 +126,22 @@ def test_messages_with_lists_are_checked():
             check(wrong)
 
 
+@pytest.mark.parametrize('reason', ['x', 'x\ufffd'])
+def test_what_is_in_the_padding_is_no_text(reason):
+    """The middleware leaves in the padding what was in its memory, also the bytes of the sign for what is no text.
+
+    Truth: CDR; the four bytes after 'strut_1' and its zero fill up to the sequence number.
+    """
+    from rclpy.serialization import serialize_message
+    from satvib_common.ros.delivery.wire import checker_of
+
+    message = messages.IirParameters(a=[1.0], reason=reason)
+    message.header.frame_id = 'strut_1'
+    data = serialize_message(message)
+    assert data[16:24] == b'strut_1\0'
+    checker_of(messages.IirParameters)(data[:24] + '\ufffd'.encode() + data[27:])
+
+
 def test_what_holds_lists_has_no_wire():
     """Truth: the definitions of the messages."""
     from satvib_common.ros.delivery.wire import wire_of
