@@ -28,7 +28,15 @@ from satvib_experiment.report.judged import (
     stretch,
     tone_transmissibility,
 )
-from satvib_experiment.report.style import FAINT, INK, OPEN, STRUTS, figure, legend
+from satvib_experiment.report.style import (
+    FAINT,
+    INK,
+    OPEN,
+    STRUTS,
+    figure,
+    legend,
+    show_decades,
+)
 
 CAPTION = (
     'Left: transmissibility, payload over base: measured open loop (grey) and under control (colours), at the tones of '
@@ -39,6 +47,7 @@ CAPTION = (
 )
 _LINES = 160
 _LOWEST = 1.0  # Hz
+_DECADES = 5.0
 
 
 def draw(context: Context, path: Path) -> bool:
@@ -113,6 +122,7 @@ def _octaves(context: Context, ax: Any) -> None:
             )  # fmt: skip
     ax.set_xscale('log')
     ax.set_yscale('log')
+    show_decades(ax, _DECADES)
     ax.set_xlim(1.0, HIGHEST * 1.1)
     ax.set_xlabel('third octave [Hz]')
     ax.set_ylabel('µm/s RMS')
@@ -134,6 +144,7 @@ def _cumulative(context: Context, ax: Any) -> None:
             ax.plot(f, total[:, i], color=_color(i) if on else OPEN, lw=1.1)
     ax.set_xscale('log')
     ax.set_yscale('log')
+    show_decades(ax, _DECADES)
     ax.set_xlim(_LOWEST, min(top, 500.0))
     ax.set_xlabel('above this frequency [Hz]')
     ax.set_ylabel('m/s² RMS')

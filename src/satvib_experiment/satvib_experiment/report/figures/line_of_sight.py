@@ -6,16 +6,26 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from satvib_common.arrays import Array
 
 from satvib_experiment.analysis.bands import cumulative_rms, integrated, power_lines
 from satvib_experiment.analysis.line_of_sight import ARC_SECONDS, tilt_matrix, true_tilt
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.judged import stretch
-from satvib_experiment.report.style import MEASURED, OPEN, STRUTS, TRUE, envelope, figure, legend
+from satvib_experiment.report.style import (
+    MEASURED,
+    OPEN,
+    STRUTS,
+    TRUE,
+    envelope,
+    figure,
+    legend,
+    show_decades,
+)
 
 CAPTION = (
-    'Tilt of the payload in arc seconds. Left: about x and y over the whole run, from the strokes of the struts. '
-    'Right: '
+    'Tilt of the payload in arc seconds. Left: about x and y over the whole run, from the strokes of the struts; the '
+    'scale is that of the stretches that are judged. Right: '
     'RMS of both axes at and above a frequency: true (from the strokes) and measured (the upper accelerations '
     'integrated twice; below some frequency that is sensor noise), without control (grey) and under control.'
 )
@@ -39,15 +49,26 @@ def draw(context: Context, path: Path) -> bool:
         left.set_xlim(float(recording.time[0]), float(recording.time[-1]))
         left.set_xlabel('time [s]')
         left.set_ylabel('arc seconds')
+        left.set_ylim(*_limits(context, baseline, tilt))
         for name, color in ((baseline, OPEN), ('controlled', TRUE)):
             _cumulative(context, right, name, color)
         right.set_xscale('log')
         right.set_yscale('log')
+        show_decades(right, 5.0)
         right.set_xlim(_LOWEST, 0.5 / recording.sample_period)
         right.set_xlabel('above this frequency [Hz]')
         right.set_ylabel('arc seconds RMS')
         legend(drawn, axes[0])
     return True
+
+
+def _limits(context: Context, baseline: str, tilt: Array) -> tuple[float, float]:
+    """Limits of the tilt, arc seconds: those of the stretches that are judged; IDENTIFY may be far above them."""
+    spans = [found for name in (baseline, 'controlled') if (found := stretch(context, name))]
+    parts = [tilt[record.window(*span)] for record, span in spans if record is context.recording]
+    most = max((float(np.abs(part).max()) for part in parts if len(part)), default=0.0)
+    largest = ARC_SECONDS * (most or float(np.abs(tilt).max()) or 1.0)
+    return -1.2 * largest, 1.2 * largest
 
 
 def _cumulative(context: Context, ax: Any, name: str, color: str) -> None:
