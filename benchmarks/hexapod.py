@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The hexapod: its modes against the closed form, a wheel run-up in arc seconds, and the figure of its page.
 
-./satvib shell -c 'python benchmarks/hexapod.py FILE.png'
+./satvib shell -c 'python benchmarks/hexapod.py --figure FILE.png'
 """
 
-import sys
+import argparse
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +61,9 @@ def draw_geometry(ax: Axes, rig: Rig) -> None:
 
 def main() -> None:
     """Print the figures, and draw."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('--figure', type=Path, help='file of the figure; none is drawn without it')
+    options = parser.parse_args()
     rig = load_rig('hexapod_6dof')
     alike = load_rig('hexapod_6dof', {'struts.stiffness_scale': [1.0] * 6})
     print('closed form, equal struts, Hz ', np.sort(closed_form(alike)).round(4))
@@ -77,9 +80,9 @@ def main() -> None:
             f'{name:20s} line of sight, second run-up: {rms:.2f} arc seconds RMS, largest '
             f'{angle[window].max() / ARC_SECOND:.2f}; {1e6 * rms * ARC_SECOND:.1f} microradians RMS'
         )
-    if len(sys.argv) < 2:
+    if options.figure is None:
         return
-    with figure(Path(sys.argv[1]), 1, 2, size=(10.0, 3.8)) as (_, axes):
+    with figure(options.figure, 1, 2, size=(10.0, 3.8)) as (_, axes):
         left, right = axes[0]
         draw_geometry(left, rig)
         for name, run in runs.items():

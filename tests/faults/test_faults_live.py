@@ -24,6 +24,7 @@ def check(scene, faults):
     assert {name: what for name, what in broken.items() if what} == {}
 
 
+@pytest.mark.long
 def test_some_faults_of_each_kind(start, probe):
     """Truth: the list, which says what must become of the voltage and within which time, counted in samples."""
     check(Scene(start, probe), [fault for fault in GOES_ON if fault.name in QUICK])

@@ -157,9 +157,8 @@ def test_a_controller_that_is_started_again_goes_on(start, probe, phase, at, end
     assert again.popen.poll() is None
 
 
-@pytest.mark.parametrize(
-    ('phase', 'at'), [('IDENTIFY', 600), pytest.param('CONTROL', 2200, marks=pytest.mark.long)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize(('phase', 'at'), [('IDENTIFY', 600), ('CONTROL', 2200)])
 def test_an_identifier_that_is_started_again_harms_nothing(start, probe, phase, at):
     """Truth: the samples. The controller goes on to answer them; a new model needs the bias, which it has.
 

@@ -90,11 +90,12 @@ def legend(drawn: Figure, axes: Iterable[Axes], columns: int = 6) -> None:
     drawn.legend(list(found.values()), list(found), loc='outside lower center', ncols=columns)
 
 
-def show_decades(axes: Axes, decades: float) -> None:
-    """Show so many decades below the largest value of a logarithmic axis: numerical zero is no figure."""
+def log_scale(axes: Axes, decades: float) -> None:
+    """Make the y axis logarithmic, with so many decades below the largest value: numerical zero is no figure."""
     values = [np.asarray(line.get_ydata(), dtype=float) for line in axes.get_lines()]
     top = max((float(np.nanmax(v)) for v in values if np.any(v > 0.0)), default=0.0)
     if top > 0.0:
+        axes.set_yscale('log')
         axes.set_ylim(top * 10.0**-decades, 3.0 * top)
 
 

@@ -189,7 +189,7 @@ def test_the_response_of_the_law_is_what_it_does():
         gains_p=(5.0, 40.0, 7.0),
         gains_i=(90.0, 0.0, 20.0),
         gains_d=(1.0, 0.5, 2.0),
-        voltage_limit=1e4,
+        voltage_limit=1e3,
     )
     law = Centralized(p, 1.0 / RATE, (3,))
     omega = 2.0 * np.pi * 8.0 / RATE

@@ -35,7 +35,7 @@ from satvib_experiment.report.style import (
     STRUTS,
     figure,
     legend,
-    show_decades,
+    log_scale,
 )
 
 CAPTION = (
@@ -121,8 +121,7 @@ def _octaves(context: Context, ax: Any) -> None:
                 drawstyle='steps-mid', label=label,
             )  # fmt: skip
     ax.set_xscale('log')
-    ax.set_yscale('log')
-    show_decades(ax, _DECADES)
+    log_scale(ax, _DECADES)
     ax.set_xlim(1.0, HIGHEST * 1.1)
     ax.set_xlabel('third octave [Hz]')
     ax.set_ylabel('µm/s RMS')
@@ -143,8 +142,7 @@ def _cumulative(context: Context, ax: Any) -> None:
             on = name == 'controlled'
             ax.plot(f, total[:, i], color=_color(i) if on else OPEN, lw=1.1)
     ax.set_xscale('log')
-    ax.set_yscale('log')
-    show_decades(ax, _DECADES)
+    log_scale(ax, _DECADES)
     ax.set_xlim(_LOWEST, min(top, 500.0))
     ax.set_xlabel('above this frequency [Hz]')
     ax.set_ylabel('m/s² RMS')

@@ -20,7 +20,7 @@ from satvib_experiment.report.style import (
     envelope,
     figure,
     legend,
-    show_decades,
+    log_scale,
 )
 
 CAPTION = (
@@ -53,8 +53,7 @@ def draw(context: Context, path: Path) -> bool:
         for name, color in ((baseline, OPEN), ('controlled', TRUE)):
             _cumulative(context, right, name, color)
         right.set_xscale('log')
-        right.set_yscale('log')
-        show_decades(right, 5.0)
+        log_scale(right, 5.0)
         right.set_xlim(_LOWEST, 0.5 / recording.sample_period)
         right.set_xlabel('above this frequency [Hz]')
         right.set_ylabel('arc seconds RMS')
