@@ -152,6 +152,8 @@ def read_columns(
     values = np.full((len(asked), where.size), np.nan)
     kept = where.place >= 0
     values[:, where.place[kept]] = np.array(table.columns)[:, kept]
+    if table.no_period and period is None and not where.period:
+        raise SatvibError(f'{path}: {table.no_period}; give --sample-period')
     dt = _sample_period(where, table, period, notes)
     _say_missing(table, path, kept, notes)
     _convert(values, asked, told, table, notes)

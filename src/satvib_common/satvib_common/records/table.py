@@ -32,6 +32,7 @@ class Table:
         lines: (rows,) number of each row, from 1: the line of a text, the sample of any other file.
         row: what `lines` counts, 'line' or 'sample', for messages.
         notes: what should be known about the reading.
+        no_period: what the file gives for a sample period or rate and is none, in words.
     """
 
     columns: list[Array]
@@ -45,6 +46,7 @@ class Table:
     lines: Array
     row: str = 'line'
     notes: list[str] = field(default_factory=list)
+    no_period: str = ''
 
 
 def is_time_name(name: str) -> bool:

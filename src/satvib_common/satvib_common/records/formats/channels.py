@@ -181,13 +181,14 @@ class Channels:
         while True:
             for name, value in self.scalars.items():
                 key = name.rpartition('.')[2].lower()
-                if _group(name) == group and value > 0.0 and math.isfinite(value):
-                    if key in _RATES:
-                        table.notes.append(f'sample rate {value:.6g} Hz from {name!r}')
-                        return 1.0 / value
-                    if key in _PERIODS:
-                        table.notes.append(f'sample period {value:.6g} s from {name!r}')
-                        return value
+                if _group(name) != group or key not in _RATES | _PERIODS:
+                    continue
+                what, unit = ('rate', 'Hz') if key in _RATES else ('period', 's')
+                if not (value > 0.0 and math.isfinite(value)):
+                    table.no_period = f'{name} = {value:.6g} is no sample {what}'
+                    return 0.0
+                table.notes.append(f'sample {what} {value:.6g} {unit} from {name!r}')
+                return 1.0 / value if key in _RATES else value
             if not group:
                 return 0.0
             group = _group(group)

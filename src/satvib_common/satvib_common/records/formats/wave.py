@@ -10,6 +10,7 @@ import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,10 @@ def channels(path: Path, recover: bool = False) -> Iterator[Channels]:
     with one_line(path, WAVE.what):
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter('always')
-            rate, values = wavfile.read(path)
+            try:
+                rate, values = wavfile.read(path)
+            except ValueError:  # the file ends within a sample of all channels
+                rate, values = wavfile.read(_whole_samples(path))
         cut = next((str(w.message) for w in said if _CUT.search(str(w.message))), '')
     if cut and not recover:
         raise SatvibError(
@@ -59,6 +63,16 @@ def channels(path: Path, recover: bool = False) -> Iterator[Channels]:
         for i in range(columns.shape[1])
     ]
     yield Channels(found, notes=[f'{cut}; what is there is used'] if cut else [])
+
+
+def _whole_samples(path: Path) -> BytesIO:
+    """The bytes of a file without a last sample that not all channels have; as it is where that is not the reason."""
+    content = path.read_bytes()
+    form, data = content.find(b'fmt '), content.find(b'data')
+    begin = data + 8
+    size = int.from_bytes(content[form + 20 : form + 22], 'little') if form >= 0 else 0
+    more = (len(content) - begin) % size if data >= 0 and size else 0
+    return BytesIO(content[: len(content) - more])
 
 
 def part_of_full_scale(values: Any) -> Array:

@@ -51,6 +51,17 @@ def test_structures_and_matrices_of_matlab(mat):
     np.testing.assert_array_equal(column_record(path, '1', '3').y, 2 * B)
 
 
+@pytest.mark.parametrize(('name', 'what'), [('fs', 'rate'), ('dt', 'period')])
+@pytest.mark.parametrize('value', [0.0, -200.0, np.nan, np.inf])
+def test_what_is_no_sample_rate_is_refused(mat, name, what, value):
+    """Truth: a rate is above zero. A period that is given stands above the file."""
+    path = mat(**{'u': A, 'y': B, name: value})
+    assert f'{name} = {value:.6g} is no sample {what}; give --sample-period' in refused(
+        path, 'u', 'y'
+    )
+    assert column_record(path, 'u', 'y', 0.5).dt == 0.5
+
+
 def test_structure_arrays_and_cells_of_matlab(mat):
     signals = np.zeros((2,), dtype=[('Name', 'O'), ('Data', 'O')])
     signals[0], signals[1] = ('u', A), ('y', B)

@@ -118,15 +118,16 @@ def test_the_content_counts_and_not_the_ending(written, case, tmp_path):
         assert record is not None, line
 
 
+@pytest.mark.parametrize('less', [0, 1, 2, 3])
 @pytest.mark.parametrize('name', ['tdms', 'lvm_one', 'wav'])
-def test_a_cut_recording_can_be_recovered(tmp_path, cases, name):
-    """The samples that are there are those of the whole file."""
+def test_a_cut_recording_can_be_recovered(tmp_path, cases, name, less):
+    """The samples that are there are those of the whole file, wherever within a sample the file ends."""
     case = cases[name]
     path = tmp_path / f'x{case.suffix}'
     case.write(path)
     whole = column_record(path, *case.columns)
     content = path.read_bytes()
-    path.write_bytes(content[: int(0.8 * len(content))])
+    path.write_bytes(content[: int(0.8 * len(content)) - less])
     record, line = outcome(path, case.columns)
     assert record is None
     assert '--recover reads what is there' in line
