@@ -34,6 +34,7 @@ def check(found):
 
 
 @pytest.mark.usefixtures('domain')
+@pytest.mark.long
 def test_a_short_run_in_lockstep_does_not_grow(tmp_path):
     """One strut at 50 Hz, 3000 samples; the last history is full after 2000."""
     settings = ['duration=60', 'rig.acquisition.sample_rate=50', 'analysis={}']
