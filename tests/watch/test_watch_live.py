@@ -3,7 +3,6 @@
 """`satvib watch` over real DDS, HTTP and WebSocket, with nodes that others have started."""
 
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -11,7 +10,7 @@ import urllib.request
 
 import pytest
 from graphs import RATE, begin
-from watching import LIMIT, Client, wait_for
+from watching import LIMIT, Client, found_in
 
 
 @pytest.mark.parametrize('frame', ['', 'strut_1', 'a', 'ab', 'abc', 'abcd', 'x' * 77])
@@ -169,12 +168,14 @@ def test_a_run_with_its_page(domain, tmp_path):  # noqa: ARG001 - the domain is 
         '--watch',
     ]
     log = tmp_path / 'run.log'
-    with log.open('wb') as sink:
-        run = subprocess.Popen(
-            [*command, '--folder', str(tmp_path / 'run')], stdout=sink, stderr=subprocess.STDOUT
-        )
+    run = subprocess.Popen(
+        [*command, '--folder', str(tmp_path / 'run')],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    )
     try:
-        address = wait_for(lambda: re.search(r'http://127\.0\.0\.1:\d+', log.read_text()))[0]
+        assert run.stdout is not None
+        address = found_in(run.stdout, rb'http://127\.0\.0\.1:\d+', log)
         client = Client(address)
         client.wait(lambda: any(s['phase'] == 'CONTROL' for s in client.struts.values()))
         client.wait(lambda: client.newest['scenario'] == 'quick_3dof')

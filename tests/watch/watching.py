@@ -5,27 +5,36 @@
 import asyncio
 import json
 import os
+import queue
+import re
 import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
 LIMIT = float(os.environ.get('SATVIB_TEST_LIMIT', '60'))  # s
 
 
-def wait_for(condition: Callable[[], Any], limit: float = LIMIT) -> Any:
-    """Wait until a condition holds; gives what it gave."""
-    deadline = time.monotonic() + limit
-    while not (value := condition()):
-        assert time.monotonic() < deadline, 'waited in vain'
-        time.sleep(0.02)
-    return value
+def found_in(stream: IO[bytes], pattern: bytes, log: Path) -> str:
+    """The first match in what a process says, waited for; all that it says goes into a file, to its end."""
+    lines: queue.Queue[bytes] = queue.Queue()
+
+    def read() -> None:
+        with log.open('wb') as sink:
+            for line in stream:
+                sink.write(line)
+                sink.flush()
+                lines.put(line)
+
+    threading.Thread(target=read, daemon=True).start()
+    while not (match := re.search(pattern, lines.get(timeout=LIMIT))):
+        pass
+    return match[0].decode()
 
 
 class Watch:
@@ -77,6 +86,7 @@ class Client:
         self.parameters: dict[str, Any] | None = None
         self.messages = 0
         self.closed = False
+        self._news = threading.Condition()
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
@@ -90,16 +100,22 @@ class Client:
 
     async def _read(self) -> None:
         while (text := await self._socket.read_message()) is not None:
-            message = json.loads(text)
-            if message['kind'] == 'parameters':
-                self.parameters = message
-            else:
-                self.newest = message
-                self.struts |= {strut['name']: strut for strut in message['struts']}
-                self.nodes = {node['name']: node for node in message['nodes']}
-                self.lines += [line['text'] for line in message['lines']]
-            self.messages += 1
-        self.closed = True
+            with self._news:
+                self._take(json.loads(text))
+                self._news.notify_all()
+        with self._news:
+            self.closed = True
+            self._news.notify_all()
+
+    def _take(self, message: dict[str, Any]) -> None:
+        if message['kind'] == 'parameters':
+            self.parameters = message
+        else:
+            self.newest = message
+            self.struts |= {strut['name']: strut for strut in message['struts']}
+            self.nodes = {node['name']: node for node in message['nodes']}
+            self.lines += [line['text'] for line in message['lines']]
+        self.messages += 1
 
     def send(self, **request: Any) -> None:
         """Give a command."""
@@ -112,10 +128,10 @@ class Client:
 
     def wait(self, condition: Callable[[], Any], limit: float = LIMIT) -> Any:
         """Wait until a condition holds; gives what it gave."""
-        try:
-            return wait_for(condition, limit)
-        except AssertionError:
-            raise AssertionError(f'waited in vain; said: {self.lines}') from None
+        with self._news:
+            value = self._news.wait_for(condition, limit)
+        assert value, f'waited in vain; said: {self.lines}'
+        return value
 
     def said(self, *words: str) -> str:
         """The first line with all these words, waited for."""

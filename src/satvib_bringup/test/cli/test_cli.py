@@ -10,29 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from satvib_bringup.cli import main as cli
 from satvib_experiment.report import drawing
 from satvib_ident.models.model_file import load_model
 
 DATA = Path(__file__).resolve().parents[4].parent / 'shared' / 'data'
 ROBOT = DATA / 'robot_arm' / 'robot_arm.csv'
-
-
-@pytest.fixture
-def satvib(monkeypatch, capsys, tmp_path):
-    """Run the command in an empty folder; gives exit code, standard output and standard error."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv('COLUMNS', '110')
-    monkeypatch.setenv('SATVIB_TRACEBACK', '1')  # a defect is to show itself
-
-    def call(*arguments):
-        monkeypatch.setattr(sys, 'argv', ['satvib', *map(str, arguments)])
-        with pytest.raises(SystemExit) as caught:
-            cli.main()
-        shown = capsys.readouterr()
-        return caught.value.code or 0, shown.out, shown.err
-
-    return call
 
 
 def refused(result, *told):

@@ -4,30 +4,11 @@
 
 import csv
 import json
-import sys
 
 import numpy as np
 import pytest
-from satvib_bringup.cli import main as cli
 
 QUICK = ('--duration', '6', '--period', '2', '--low', '2')
-
-
-@pytest.fixture
-def satvib(monkeypatch, capsys, tmp_path):
-    """Run the command in an empty folder; gives exit code, standard output and standard error."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv('COLUMNS', '110')
-    monkeypatch.setenv('SATVIB_TRACEBACK', '1')
-
-    def call(*arguments):
-        monkeypatch.setattr(sys, 'argv', ['satvib', *map(str, arguments)])
-        with pytest.raises(SystemExit) as caught:
-            cli.main()
-        shown = capsys.readouterr()
-        return caught.value.code or 0, shown.out, shown.err
-
-    return call
 
 
 def test_a_scenario_and_its_own_experiments(satvib, tmp_path):
