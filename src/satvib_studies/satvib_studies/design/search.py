@@ -36,8 +36,7 @@ from satvib_studies.design.kinds import Kind, lqg_kind, notch_kind
 from satvib_studies.tuning.cost import UNSTABLE, CostSettings, TuningCost
 from satvib_studies.tuning.figure import draw_search, frequencies
 from satvib_studies.tuning.particle_swarm import ParticleSwarm, SwarmResult, SwarmSettings
-from satvib_studies.tuning.search import how_found, summary_row, write_found
-from satvib_studies.tuning.swarm_checkpoint import restore
+from satvib_studies.tuning.search import SwarmSearch, how_found, summary_row, write_found
 
 _TIME = 0.02  # s; of one candidate on one plant, at least
 
@@ -90,7 +89,7 @@ class Designed:
 
 
 @dataclass
-class DesignSearch:
+class DesignSearch(SwarmSearch):
     """A search that is set up and can be run.
 
     Args:
@@ -188,11 +187,6 @@ class DesignSearch:
     def swarm(self) -> ParticleSwarm:
         """Give the swarm as it begins."""
         return ParticleSwarm(self.lower, self.upper, self.settings.swarm, start=self.start)
-
-    def check(self, checkpoint: Path) -> None:
-        """Refuse a checkpoint that this search cannot go on from; one that is not there is none."""
-        if checkpoint.exists():
-            restore(self.swarm(), checkpoint)
 
     def run(
         self,

@@ -223,6 +223,13 @@ def _add_line(
 
 
 @njit
+def _turn(now, before):
+    """Angle from one value of the determinant to the next, rad."""
+    turned = now * before.conjugate()
+    return math.atan2(turned.imag, turned.real)
+
+
+@njit
 def _finish(figures, volts, margin, phase):
     """Turn the sums into figures."""
     figures[LoopFigure.TILT] = math.sqrt(figures[LoopFigure.TILT])
@@ -296,8 +303,7 @@ def loop_figures(
             figures,
         )  # fmt: skip
         margin = min(margin, least)
-        turned = det * before.conjugate()
-        phase += math.atan2(turned.imag, turned.real)
+        phase += _turn(det, before)
         before = det
     _finish(figures, volts, margin, phase)
 
@@ -338,7 +344,6 @@ def controller_figures(
             figures,
         )  # fmt: skip
         margin = min(margin, least)
-        turned = det * before.conjugate()
-        phase += math.atan2(turned.imag, turned.real)
+        phase += _turn(det, before)
         before = det
     _finish(figures, volts, margin, phase)

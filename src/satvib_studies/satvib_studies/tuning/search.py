@@ -105,8 +105,21 @@ def read_disturbance(text: str) -> dict[str, Any]:
     return data
 
 
+class SwarmSearch:
+    """A search by a swarm that can be interrupted."""
+
+    def swarm(self) -> ParticleSwarm:
+        """Give the swarm as it begins."""
+        raise NotImplementedError
+
+    def check(self, checkpoint: Path) -> None:
+        """Refuse a checkpoint that this search cannot go on from; one that is not there is none."""
+        if checkpoint.exists():
+            restore(self.swarm(), checkpoint)
+
+
 @dataclass
-class Search:
+class Search(SwarmSearch):
     """A search that is set up and can be run.
 
     Args:
@@ -145,11 +158,6 @@ class Search:
         """Give the swarm as it begins."""
         cost = self.cost
         return ParticleSwarm(cost.lower, cost.upper, self.settings.swarm, start=self.untuned)
-
-    def check(self, checkpoint: Path) -> None:
-        """Refuse a checkpoint that this search cannot go on from; one that is not there is none."""
-        if checkpoint.exists():
-            restore(self.swarm(), checkpoint)
 
     def run(
         self,
