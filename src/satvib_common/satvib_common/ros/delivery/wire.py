@@ -24,6 +24,9 @@ _ENCAPSULATION = b'\x00\x01\x00\x00'
 _LENGTH = struct.Struct('<I')
 _FRAME = 12  # place of the length of frame_id
 _TEXT = 'string'
+_MOST_LAYOUTS = (
+    256  # that are kept; the texts of a graph have a few lengths, those of a stranger any
+)
 # of ROS: of the module struct
 _NUMBERS = {
     'boolean': '?', 'octet': 'B', 'uint8': 'B', 'int8': 'b', 'uint16': 'H', 'int16': 'h',
@@ -113,9 +116,8 @@ class Wire:
         Raises:
             UnreadableError: they are not.
         """
-        self.unpack(data)
-        if data[1] == _ENCAPSULATION[1]:
-            _check_length(data, self._layout_of(data).size, self._kind)
+        record = self.unpack(data)
+        _check_whole(data, self.pack(record), _texts_in(record), self._kind)
 
     def _unpack(self, data: bytes) -> Any:
         if self._plain:
@@ -163,6 +165,8 @@ class Wire:
                 break
             length = left.pop()
             add(f'{length - 1}sx', length, 1)
+        if len(self._layouts) >= _MOST_LAYOUTS:
+            self._layouts.clear()
         made = self._layouts[tuple(lengths)] = struct.Struct(''.join(parts))
         return made
 
@@ -199,27 +203,27 @@ def checker_of(kind: Any) -> Callable[[bytes], None]:
     def check(data: bytes) -> None:
         try:
             message = deserialize_message(data, kind)
-            size = len(serialize_message(message))
+            again = serialize_message(message)
         except _MALFORMED as error:
             raise unreadable(data, kind, error) from None
         # a text with the sign that stands in the bytes, too, was sent with it; padding may hold any bytes
         if any(_REPLACED in text and text.encode() not in data for text in _texts_in(message)):
             raise unreadable(data, kind, 'a text that is none')
-        _check_length(data, size, kind)
+        _check_whole(data, again, _texts_in(message), kind)
 
     return check
 
 
 def _texts_in(value: Any) -> Iterator[str]:
-    """Give all texts of a message."""
+    """Give all texts of a message or a record, in their order."""
     if isinstance(value, str):
         yield value
+    elif isinstance(value, list | tuple):
+        for element in value:
+            yield from _texts_in(element)
     elif hasattr(value, '__slots__'):
         for slot in value.__slots__:
             yield from _texts_in(getattr(value, slot))
-    elif isinstance(value, list):
-        for element in value:
-            yield from _texts_in(element)
 
 
 def unreadable(data: bytes, kind: Any, why: object) -> UnreadableError:
@@ -228,9 +232,29 @@ def unreadable(data: bytes, kind: Any, why: object) -> UnreadableError:
     return UnreadableError(f'{len(data)} bytes that are no {kind.__name__} ({first})')
 
 
-def _check_length(data: bytes, length: int, kind: Any) -> None:
-    if abs(len(data) - length) >= _LENGTH.size:  # a message may be filled up to a whole word
-        raise unreadable(data, kind, f'{length} would be')
+def _check_whole(data: bytes, again: bytes, texts: Iterator[str], kind: Any) -> None:
+    """Refuse bytes that are longer or shorter than what they say, or in which a text does not end with its zero.
+
+    Some readers of bags stop at the first text without its zero, so the rest of the bag would be lost to them.
+
+    Args:
+        data: what has arrived.
+        again: what the middleware makes of its fields.
+        texts: its texts, in their order.
+        kind: class of the message.
+
+    Raises:
+        UnreadableError: they are not one message of this kind.
+    """
+    if abs(len(data) - len(again)) >= _LENGTH.size:  # a message may be filled up to a whole word
+        raise unreadable(data, kind, f'{len(again)} would be')
+    end = 0
+    for text in texts:
+        written = text.encode()
+        written = _LENGTH.pack(len(written) + 1) + written + b'\0'
+        end = again.index(written, end) + len(written)
+        if '\0' in text or data[end - 1 : end] != b'\0':
+            raise unreadable(data, kind, 'a text that does not end with its zero')
 
 
 def blank(kind: Any) -> Any:

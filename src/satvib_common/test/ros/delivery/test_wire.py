@@ -101,13 +101,27 @@ def test_bytes_that_are_no_message_are_refused():
         wire.check(data)
         with pytest.raises(UnreadableError, match=f'{len(data)} would be'):
             wire.check(later)
-        known = len(wire._layouts)
         for text in (b'\xff\xff\xff\xff', b'\0\0\0\0'):
             with pytest.raises(UnreadableError, match='a text of'):
                 wire.unpack(data[:12] + text + data[16:])
         with pytest.raises(UnreadableError, match='decode'):
             wire.unpack(data[:16] + b'\xff' + data[17:])
-        assert len(wire._layouts) == known
+
+
+def test_texts_of_many_lengths_take_no_memory():
+    """A text of each length would leave a layout behind.
+
+    Truth: the lengths that a long run has are few; a stranger may send any.
+    """
+    from satvib_common.ros.delivery.wire import wire_of
+
+    wire, message = wire_of(messages.ControllerState), messages.ControllerState()
+    for length in range(2000):
+        message.header.frame_id = 's' * length
+        message.reason = 'n' * (length // 2)
+        record = wire.unpack(wire.pack(message))
+        assert (record.header.frame_id, record.reason) == (message.header.frame_id, message.reason)
+    assert len(wire._layouts) <= 256
 
 
 def test_messages_with_lists_are_checked():
@@ -124,6 +138,40 @@ def test_messages_with_lists_are_checked():
     for wrong in (*cut, data + bytes(8), wrong_text):
         with pytest.raises(UnreadableError, match='bytes that are no IirParameters'):
             check(wrong)
+
+
+@pytest.mark.parametrize('name', [*KINDS, 'IirParameters'])
+def test_a_text_ends_with_its_zero(name):
+    """rosbags stops at a text that does not, and gives nothing of the bag that follows it.
+
+    Truth: CDR; 'strut_1' and its zero are the bytes 16 to 23.
+    """
+    from rclpy.serialization import serialize_message
+    from satvib_common.ros.delivery.wire import UnreadableError, checker_of
+
+    message = getattr(messages, name)()
+    message.header.frame_id = 'strut_1'
+    data = serialize_message(message)
+    check = checker_of(type(message))
+    check(data)
+    assert data[16:24] == b'strut_1\0'
+    with pytest.raises(UnreadableError, match='end with its zero'):
+        check(data[:23] + b'\x08' + data[24:])
+
+
+def test_a_text_of_a_big_endian_message_ends_with_its_zero():
+    """Truth: bytes written by `struct` after the standard."""
+    import struct
+
+    from satvib_common.ros.delivery.wire import UnreadableError, checker_of
+    from std_msgs.msg import Header
+
+    def data(text):
+        return struct.pack('>4siII8s', b'\0\0\0\0', 3, 4, 8, text)
+
+    checker_of(Header)(data(b'strut_1\0'))
+    with pytest.raises(UnreadableError, match='end with its zero'):
+        checker_of(Header)(data(b'strut_1\x08'))
 
 
 @pytest.mark.parametrize('reason', ['x', 'x\ufffd'])
