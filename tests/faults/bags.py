@@ -4,7 +4,7 @@
 
 from itertools import pairwise
 
-from rosbags.highlevel import AnyReader
+from rosbags.highlevel import AnyReader, AnyReaderError
 from satvib_bringup.recorder.salvage import is_finished, salvage
 
 _LEAST = 50  # messages of a topic, a quarter of a second
@@ -22,7 +22,10 @@ def complaints(bag):
     counts, truth = {}, []
     with AnyReader([bag]) as reader:
         for connection, _, raw in reader.messages():
-            message = reader.deserialize(raw, connection.msgtype)
+            try:
+                message = reader.deserialize(raw, connection.msgtype)
+            except AnyReaderError as error:
+                return [f'{bag.name}: a message of {connection.topic} cannot be read ({error})']
             counts[connection.topic] = counts.get(connection.topic, 0) + 1
             if connection.topic == '/strut_1/truth':
                 truth.append((message.sequence, message.samples))
