@@ -80,6 +80,10 @@ def main() -> int:
     record = Record()
     faults = tuple(f for name, fs in CHAPTERS.items() for f in fs if given.chapter in name)
     whole = not (given.only or given.chapter or given.phase)
+    if not any(given.only in fault.name for fault in faults):
+        parser.error('--only, --chapter: no fault has such a name')
+    if given.phase and given.phase not in {phase.name for phase in IN_EACH}:
+        parser.error(f'--phase: not one of {", ".join(phase.name for phase in IN_EACH)}')
     for number in range(given.rounds):
         for phase in IN_EACH:
             chosen = [f for f in faults if phase in f.phases and given.only in f.name]

@@ -339,6 +339,8 @@ def main() -> int:
     if given.inside:
         watch_samples()
         return 0
+    if not any(given.only in case.name for case in CASES):
+        parser.error(f'--only: {given.only!r} is in none of {"; ".join(c.name for c in CASES)}')
     enter()
     found = []
     for case in CASES:

@@ -12,6 +12,7 @@ Prints the median and the worst of ten seeds, as Markdown.
 """
 
 import argparse
+import importlib.util
 import math
 import warnings
 from collections.abc import Callable
@@ -82,7 +83,7 @@ def evolution(cost: Budget, low: Array, high: Array, seed: int, budget: int) -> 
 
 
 def cma_es(cost: Budget, low: Array, high: Array, seed: int) -> None:
-    import cma  # from requirements/benchmarks.lock; nothing else needs it
+    import cma  # from requirements/benchmarks.lock; nothing else needs it, `main` looks for it
 
     n, width, population = len(low), high - low, 4 + int(3 * math.log(len(low)))
     draw = np.random.default_rng([seed, 1])
@@ -110,7 +111,7 @@ def main() -> None:
     parser.add_argument('--budget', type=int, default=4000)
     parser.add_argument('--plants', type=int, default=4)
     parser.add_argument('--particles', type=int, default=24)
-    parser.add_argument('--only', default='')
+    parser.add_argument('--only', default='', help='a part of the name of a problem')
     asked = parser.parse_args()
     warnings.simplefilter('ignore')
     tone = tuning(asked.plants, {'kind': 'sine', 'frequency': 9.0, 'amplitude': 0.5})
@@ -126,6 +127,13 @@ def main() -> None:
         ('Ackley, 9', ackley, 30.0, 9),
     ):
         problems[name] = (function, np.full(n, -half), np.full(n, half))
+    with_cma = importlib.util.find_spec('cma') is not None
+    if not with_cma:
+        print(
+            'no column of CMA-ES: cma is missing; pip install --require-hashes -r requirements/benchmarks.lock\n'
+        )
+    if not any(asked.only in name for name in problems):
+        parser.error(f'--only: {asked.only!r} is in none of {"; ".join(problems)}')
     print(
         f'{asked.budget} evaluations, {asked.seeds} seeds: median (worst)\n\n'
         '| problem | particle swarm | differential evolution | CMA-ES | swarm over best |\n'
@@ -135,6 +143,8 @@ def main() -> None:
         if asked.only not in name:
             continue
         found: dict[str, list[float]] = {'swarm': [], 'evolution': [], 'cma': []}
+        if not with_cma:
+            del found['cma']
         for seed in range(1, asked.seeds + 1):
             for method, row in found.items():
                 count = Budget(cost, asked.budget)
@@ -146,6 +156,7 @@ def main() -> None:
                     cma_es(count, low, high, seed)
                 row.append(count.best)
         cells = [f'{np.median(row):.4g} ({max(row):.4g})' for row in found.values()]
+        cells += [] if with_cma else ['–']
         best = min(float(np.median(row)) for row in found.values())
         ratio = float(np.median(found['swarm'])) / best if best > 0.0 else math.nan
         print(f'| {name} | {" | ".join(cells)} | {ratio:.3f} |', flush=True)

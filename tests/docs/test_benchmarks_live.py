@@ -36,7 +36,7 @@ SHORT = {
     'identify_speed': ['--samples', '20000'],
     'machines': ['--only', 'static peers'],
     'model_phase': ['--seeds', '1'],
-    'particle_swarm': ['--seeds', '1', '--budget', '48', '--plants', '1', '--only', 'satvib'],
+    'particle_swarm': ['--seeds', '1', '--budget', '48', '--plants', '1', '--only', 'sphere'],
     'robustness': [
         '--trials', '2', '--rigs', 'clean_3dof', '--laws', 'velocity_feedback', '--cases', 'own',
     ],

@@ -25,6 +25,7 @@ from typing import Any, Self
 from satvib_common.errors import SatvibError, printable
 
 _KEY = 'satvib'
+_MOST_MISSING = 30  # keys in a line
 LARGEST_INTEGER = 2**63 - 1  # what a message, a table and an array of whole numbers hold
 _SHORT = reprlib.Repr()  # a few elements of what may be very large
 _SHORT.maxlevel = 3
@@ -160,15 +161,10 @@ class Schema:
             raise SatvibError(f'{prefix}a mapping of keys is expected, not {_typed(mapping)}')
         try:
             hints = _hints(cls)
-            fields = {f.name: f for f in dataclasses.fields(cls)}
-            for key in mapping:
-                if key not in fields:
-                    name = printable(str(key), 60)
-                    raise SatvibError(f'{name}: no such key{_suggestion(name, list(fields))}')
-            for name, field in fields.items():
-                given = (field.default, field.default_factory) != (dataclasses.MISSING,) * 2
-                if name not in mapping and not given:
-                    raise SatvibError(f'{name}: missing')
+            if missing := _missing(cls, mapping):
+                more = len(missing) - _MOST_MISSING
+                rest = f' and {more} more' if more > 0 else ''
+                raise SatvibError(f'{", ".join(missing[:_MOST_MISSING])}{rest}: missing')
             return cls(**{k: _built(v, hints[k], str(k)) for k, v in mapping.items()})
         except SatvibError as error:
             raise SatvibError(f'{prefix}{error}') from None
@@ -207,6 +203,43 @@ def _typed(value: Any) -> str:
 def _suggestion(key: str, known: list[str]) -> str:
     close = difflib.get_close_matches(key, known, n=1)
     return f'; did you mean {close[0]}?' if close else f' (known: {", ".join(known)})'
+
+
+def _missing(cls: type[Schema], mapping: Mapping[Any, Any], within: str = '') -> list[str]:
+    """Name every key that is missing, in nested mappings too: they are told at once.
+
+    Raises:
+        SatvibError: a key that there is not, which may be the missing one misspelt.
+    """
+    hints = _hints(cls)
+    fields = {f.name: f for f in dataclasses.fields(cls)}
+    for key in mapping:
+        if key not in fields:
+            name = printable(str(key), 60)
+            raise SatvibError(f'{within}{name}: no such key{_suggestion(name, list(fields))}')
+    found = []
+    for name, field in fields.items():
+        if name in mapping:
+            found += _missing_inside(mapping[name], hints[name], f'{within}{name}')
+        elif (field.default, field.default_factory) == (dataclasses.MISSING,) * 2:
+            found.append(f'{within}{name}')
+    return found
+
+
+def _missing_inside(value: Any, hint: Any, name: str) -> list[str]:
+    """Name the keys that are missing in the nested schemas of a value."""
+    if not isinstance(value, Mapping | list | tuple):
+        return []
+    for option in _options(hint):
+        if isinstance(option, type) and issubclass(option, Schema):
+            if isinstance(value, Mapping):
+                return _missing(option, value, f'{name}.')
+        elif typing.get_origin(option) is tuple and isinstance(value, list | tuple):
+            inner = typing.get_args(option)[0]
+            return [
+                m for i, v in enumerate(value) for m in _missing_inside(v, inner, f'{name}[{i}]')
+            ]
+    return []
 
 
 @lru_cache(maxsize=512)

@@ -174,7 +174,8 @@ def load_yaml(path: Path) -> Any:
             f'{path}: not UTF-8 text (byte {error.start}); save it as UTF-8'
         ) from None
     except (OSError, ValueError) as error:  # ValueError: NUL in the path
-        raise SatvibError(f'{path}: cannot be read: {error}') from None
+        reason = getattr(error, 'strerror', None) or error
+        raise SatvibError(f'{path}: cannot be read: {reason}') from None
     data = parse_yaml(text, str(path))
     if data is None:
         raise SatvibError(f'{path}: is empty')

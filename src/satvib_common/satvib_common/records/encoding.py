@@ -30,6 +30,21 @@ _FOREIGN = (
     (b'\x93NUMPY', 'a NumPy array'),
     (b'SQLite format 3', 'an SQLite database'),
     (b'\x89MCAP', 'a bag, which has no columns'),
+    (b'%PDF', 'a PDF document'),
+    (b'%!PS', 'a PostScript document'),
+    (b'{\\rtf', 'an RTF document'),
+    (b'\x89PNG', 'a PNG picture'),
+    (b'\xff\xd8\xff', 'a JPEG picture'),
+    (b'GIF8', 'a GIF picture'),
+    (b'<!DOCTYPE', 'a page of HTML'),
+    (b'<html', 'a page of HTML'),
+    (b'<?xml', 'an XML document'),
+    (b'BZh', 'compressed with bzip2'),
+    (b'\xfd7zXZ', 'compressed with xz'),
+    (b'\x28\xb5\x2f\xfd', 'compressed with zstd'),
+    (b"7z\xbc\xaf'", 'a 7z archive'),
+    (b'Rar!', 'a RAR archive'),
+    (b'\x7fELF', 'a program'),
 )
 _CONTROL = re.compile('[\x00-\x08\x0e-\x1f\x7f]')
 _SAMPLE = 4096  # bytes in which UTF-16 without a mark shows
@@ -37,7 +52,8 @@ _SAMPLE = 4096  # bytes in which UTF-16 without a mark shows
 
 def foreign_format(start: bytes) -> str:
     """Name the format of a file that is no text, from its first bytes; '' for any other."""
-    return next((name for magic, name in _FOREIGN if start.startswith(magic)), '')
+    start = start.removeprefix(codecs.BOM_UTF8).lstrip(b' \t\r\n').lower()
+    return next((name for magic, name in _FOREIGN if start.startswith(magic.lower())), '')
 
 
 def decode(data: bytes, path: Path, encoding: str | None = None) -> tuple[str, str]:

@@ -5,8 +5,10 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from satvib_common.arrays import Array
+from satvib_common.errors import SatvibError
 
 _TIME = re.compile(
     r'(?:time|zeit|temps|tiempo|tempo|timestamp|time ?stamp|sampling_time|x_value|elapsed|t|seconds|date ?time)'
@@ -52,6 +54,28 @@ class Table:
 def is_time_name(name: str) -> bool:
     """Whether a column is named as a time: time, t, Zeit, X_Value ..., with a unit or without."""
     return _TIME.fullmatch(name.strip()) is not None
+
+
+def refuse_same(path: Path, asked: Sequence[str], places: Sequence[int]) -> None:
+    """Refuse columns of which two are the same one: an output is no response to itself.
+
+    Args:
+        path: of the file.
+        asked: names or numbers as they were given.
+        places: where each was found.
+
+    Raises:
+        SatvibError: naming the two.
+    """
+    first: dict[int, str] = {}
+    for name, place in zip(asked, places, strict=True):
+        if place in first:
+            other = first[place]
+            what = (
+                f'{name!r} is named twice' if name == other else f'{other!r} and {name!r} are one'
+            )
+            raise SatvibError(f'{path}: column {what}; input, output and time differ')
+        first[place] = name
 
 
 def listed(names: Sequence[str]) -> str:

@@ -14,7 +14,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
 from satvib_common.records.encoding import decode
 from satvib_common.records.layout import Layout, Reading, find_layout
-from satvib_common.records.table import Table, is_time_name
+from satvib_common.records.table import Table, is_time_name, refuse_same
 from satvib_common.records.text_rows import Rows
 from satvib_common.records.time_column import unit_of
 from satvib_common.records.units import unit_in_name
@@ -93,6 +93,7 @@ def read_rows(
     """Read columns of lines whose layout is known; arguments and errors as of `read_text`."""
     asked = [*wanted, *([time] if time is not None else [])]
     positions = [position_of(name, layout, path) for name in asked]
+    refuse_same(path, asked, positions)
     at = positions.pop() if time is not None else _time_position(layout, positions)
     reader = Rows(path, lines, layout, [*positions, *([at] if at >= 0 else [])])
     columns = reader.read(at >= 0)

@@ -187,6 +187,9 @@ def test_mixed_decimal_signs_are_refused(read):
         (b'\xd0\xcf\x11\xe0', 'a.xls', 'an old Excel workbook'),
         (b'SQLite format 3\x00', 'a.db', 'an SQLite database'),
         (b'ARROW1\x00\x00', 'a.feather', 'an Arrow or Feather file'),
+        (b'%PDF-1.7', 'a.pdf', 'a PDF document'),
+        (b'\xef\xbb\xbf\n<!doctype html>', 'a.aspx', 'a page of HTML'),
+        (b'\x89PNG\r\n', 'a.png', 'a PNG picture'),
         (b'hello', 'a.xyz', 'not a format that is known by its ending'),
     ],
 )

@@ -24,9 +24,14 @@ from satvib_plant_sim.plant.failures import Failure, check_failures
 from satvib_plant_sim.rig.any_rig import AnyRig, load_any_rig, strut_count
 
 from satvib_experiment.scenario.centralized_scheme import centralized_parameters, take_gains
-from satvib_experiment.scenario.folder import scenario_path
+from satvib_experiment.scenario.folder import FOLDER, scenario_path
 from satvib_experiment.scenario.memory import check_memory
-from satvib_experiment.scenario.settings_file import SCENARIO_PATHS, load_settings, resolve_path
+from satvib_experiment.scenario.settings_file import (
+    SCENARIO_PATHS,
+    called,
+    load_settings,
+    resolve_path,
+)
 
 if TYPE_CHECKING:
     from satvib_control.parameters import ControllerParameters
@@ -266,10 +271,11 @@ def load_scenario(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sc
     data = load_settings(path, overrides, SCENARIO_PATHS)
     take_gains(data, path)
     data.setdefault('name', path.stem)
-    scenario = Scenario.from_mapping(data, str(path))
+    where = called('scenario', path, FOLDER)
+    scenario = Scenario.from_mapping(data, where)
     rig = resolve_path(scenario.rig, path.parent)
     scenario = scenario.replace(rig=rig)
-    check_scenario(scenario, str(path))
+    check_scenario(scenario, where)
     return scenario
 
 
@@ -277,7 +283,7 @@ def check_scenario(scenario: Scenario, where: str) -> None:
     """Build every part of a scenario once, so that what is wrong shows before anything starts.
 
     Raises:
-        SatvibError: the first thing that is wrong, `where` named.
+        SatvibError: the first thing that is wrong, `where` named; what is wrong in the file of a rig leads with it.
     """
     try:
         rig = scenario.load_rig()
@@ -292,4 +298,6 @@ def check_scenario(scenario: Scenario, where: str) -> None:
                 f'analysis.reference: {reference} figures for the {strut_count(rig)} struts of {rig.name}'
             )
     except SatvibError as error:
+        if str(error).startswith((f'{scenario.rig}: ', f'{where}: ')):
+            raise
         raise SatvibError(f'{where}: {error}') from None

@@ -63,6 +63,11 @@ def settings_path(kind: str, name_or_path: str | Path, folder: Path) -> Path:
     return folder / f'{text}.yaml'
 
 
+def called(kind: str, path: Path, folder: Path) -> str:
+    """How messages call a settings file: by its name where it comes with the package, else by its path."""
+    return f'{kind} {path.stem}' if path.parent == folder else str(path)
+
+
 def load_settings(
     path: Path, overrides: Sequence[str] = (), paths: Sequence[str] = ()
 ) -> dict[str, Any]:

@@ -112,7 +112,7 @@ def test_a_wrong_setting_is_one_line_that_names_it(override):
     assert BAD_OVERRIDES[override] in message
     assert '\n' not in message
     if '=' in override[1:] and not message.startswith('--set'):
-        assert 'paper_3dof.yaml' in message
+        assert message.startswith('scenario paper_3dof: ')
 
 
 def test_a_wrong_name_gets_the_nearest_one():
@@ -180,6 +180,24 @@ def test_a_path_of_the_command_line_is_relative_to_the_current_folder(
         monkeypatch.chdir(tmp_path)
     with pytest.raises(SatvibError, match=f'{tmp_path}/other.yaml: cannot be read'):
         load_scenario(scenario, ['rig=other.yaml'])
+
+
+def test_what_is_wrong_in_the_file_of_a_rig_leads_with_that_file(tmp_path, monkeypatch):
+    """Truth: the file that a person has to mend, under a scenario of the package and under one of their own."""
+    monkeypatch.chdir(tmp_path)
+    rig = load_scenario('paper_3dof').load_rig().to_mapping()
+    rig['payload']['mass'] = -1.0
+    Path('rig.yaml').write_text(yaml.safe_dump(rig))
+    Path('mine.yaml').write_text((FOLDER / 'quick_3dof.yaml').read_text())
+    for scenario in ('paper_3dof', 'mine.yaml'):
+        for name, told in (
+            ('rig', 'payload.mass: -1.0'),
+            ('other', 'cannot be read: No such file'),
+        ):
+            with pytest.raises(SatvibError) as caught:
+                load_scenario(scenario, [f'rig={name}.yaml'])
+            assert str(caught.value).startswith(f'{tmp_path}/{name}.yaml: {told}')
+            assert str(caught.value).count(f'{name}.yaml') == 1
 
 
 def test_overrides_do_not_touch_each_other():

@@ -100,6 +100,8 @@ class StepValues(NamedTuple):
 def step_values(window, p, first, grid, out):
     """Give a stepped sine; p is `StepValues`."""
     s = StepValues(p[0], p[1], p[2], p[3], p[4])
+    # turns of the steps that are over; neighbours on the grid share them
+    counted, over = 0, 0.0
     for j in range(grid.shape[0]):
         n = first + grid[j]
         out[j] = 0.0
@@ -107,10 +109,12 @@ def step_values(window, p, first, grid, out):
             t = elapsed(window, n)
             step = math.floor(t / s.dwell)
             if step < s.steps:
-                turns = 0.0
-                for i in range(int(step)):
-                    turns += s.begin * math.exp(s.log_ratio * i) * s.dwell
-                turns += s.begin * math.exp(s.log_ratio * step) * (t - step * s.dwell)
+                if int(step) < counted:
+                    counted, over = 0, 0.0
+                for i in range(counted, int(step)):
+                    over += s.begin * math.exp(s.log_ratio * i) * s.dwell
+                counted = int(step)
+                turns = over + s.begin * math.exp(s.log_ratio * step) * (t - step * s.dwell)
                 out[j] = s.amplitude * math.sin(2.0 * math.pi * turns)
 
 

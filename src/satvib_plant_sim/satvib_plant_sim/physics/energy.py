@@ -30,7 +30,8 @@ def stored_energy(rigs: Sequence[Rig], state: Array) -> Array:
         twice = motion @ m.M @ motion + np.sum(m.K * s * s)
         twice += rig.struts.stop_stiffness * np.sum(p * p)
         if not shaker.rigid:
-            twice += np.sum(m.m_l * (vz * vz + shaker.stiffness / shaker.mass * z * z))
+            plate = shaker.suspension
+            twice += np.sum(m.m_l * (vz * vz + plate.stiffness / plate.mass * z * z))
         if rig.coil.drive == 'voltage':
             twice += np.sum(m.L * i * i)
         energies.append(0.5 * twice)

@@ -141,9 +141,9 @@ def mechanics(rig: Rig) -> Mechanics:
         lu[:, u.base] = np.eye(b)
     else:
         lx = -(P.T @ fx)
-        each = np.arange(b)
-        lx[each, z] -= shaker.stiffness * (m_l / shaker.mass)
-        lx[each, vz] -= shaker.damping * (m_l / shaker.mass)
+        each, plate = np.arange(b), shaker.suspension
+        lx[each, z] -= plate.stiffness * (m_l / plate.mass)
+        lx[each, vz] -= plate.damping * (m_l / plate.mass)
         lx, lu = lx / m_l[:, None], -(P.T @ fu) / m_l[:, None]
 
     A, B = np.zeros((states, states)), np.zeros((states, inputs))

@@ -43,7 +43,8 @@ def equilibrium(rig: Rig, stroke: Array) -> Array:
     state.stroke[:] = stroke
     if not rig.shaker.rigid:
         force = np.sum(m.P * (m.K * stroke)[:, None], axis=0)
-        state.plate[:] = force / (rig.shaker.stiffness * (m.m_l / rig.shaker.mass))
+        plate = rig.shaker.suspension
+        state.plate[:] = force / (plate.stiffness * (m.m_l / plate.mass))
     return x
 
 

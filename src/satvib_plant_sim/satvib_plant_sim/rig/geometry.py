@@ -72,13 +72,14 @@ def mass_matrix(payload: Payload, struts: Struts) -> Array:
 
 def plate_masses(shaker: Shaker, struts: Struts) -> Array:
     """Give the masses (1,) or (6,) of the lower plate in its directions: kg, kg m^2."""
+    mass = shaker.suspension.mass
     if not struts.each:
-        return np.array([shaker.mass])
+        return np.array([mass])
     inertia = shaker.inertia
     if inertia is None:
         feet = np.array([strut.foot for strut in struts.each])
-        inertia = shaker.mass * float(np.mean(np.sum(feet * feet, axis=1)))
-    return np.array([shaker.mass] * 3 + [inertia] * 3)
+        inertia = mass * float(np.mean(np.sum(feet * feet, axis=1)))
+    return np.array([mass] * 3 + [inertia] * 3)
 
 
 def force_matrix(payload: Payload, struts: Struts) -> Array:

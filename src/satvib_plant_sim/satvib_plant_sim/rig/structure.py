@@ -9,6 +9,7 @@ action. All places are in one frame; its origin is where the rotations of the lo
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
@@ -172,7 +173,9 @@ class Shaker(Schema):
     """What the lower plate stands on. It moves along z under struts on a circle, else in six directions."""
 
     rigid: bool = param(False, 'the lower plate follows the source, without reaction of the struts')
-    mass: float = param(description='armature and lower plate', unit='kg', above=0.0)
+    mass: float | None = param(
+        None, 'armature and lower plate; a rigid shaker may leave it out', unit='kg', above=0.0
+    )
     inertia: float | None = param(
         None,
         'listed struts: moment of inertia of the lower plate about each axis; none: that of its mass at the mean '
@@ -180,5 +183,32 @@ class Shaker(Schema):
         unit='kg m^2',
         above=0.0,
     )  # fmt: skip
-    stiffness: float = param(description='from the source to the plate', unit='N/m', above=0.0)
-    damping: float = param(description='from the source to the plate', unit='N s/m', minimum=0.0)
+    stiffness: float | None = param(
+        None, 'from the source to the plate; likewise', unit='N/m', above=0.0
+    )
+    damping: float | None = param(
+        None, 'from the source to the plate; likewise', unit='N s/m', minimum=0.0
+    )
+
+    def check(self) -> None:
+        """Refuse a plate that gives way, and whose suspension is not known."""
+        missing = [name for name in Suspension._fields if getattr(self, name) is None]
+        if missing and not self.rigid:
+            raise SatvibError(f'{", ".join(missing)}: missing; only a rigid shaker needs none')
+
+    @property
+    def suspension(self) -> 'Suspension':
+        """What holds the lower plate; for a rigid shaker it has no meaning, and may be any."""
+        return Suspension(
+            1.0 if self.mass is None else self.mass,
+            self.stiffness or 0.0,
+            self.damping or 0.0,
+        )
+
+
+class Suspension(NamedTuple):
+    """Mass of the lower plate, kg, and its suspension, N/m and N s/m."""
+
+    mass: float
+    stiffness: float
+    damping: float

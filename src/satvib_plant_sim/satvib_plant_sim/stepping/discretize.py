@@ -147,7 +147,7 @@ def discretize(rig: Rig) -> Discrete:
     first = size + DriveSlot.BASE
     step[first : first + 2 * b] = ends[:, :, u.base].transpose(0, 2, 1).reshape(2 * b, total)
     own = np.arange(layout.driving, total, layout.lanes)
-    m, shaker = system.parts, rig.shaker
+    m, suspension = system.parts, rig.shaker.suspension
     arrays = DesignArrays(
         step=step,
         push=np.ascontiguousarray(ends[:, :, u.payload].transpose(2, 0, 1)),
@@ -175,9 +175,9 @@ def discretize(rig: Rig) -> Discrete:
         plate=1.0 / m.m_l,
         shaker=np.array(
             ShakerConstants(
-                stiffness=shaker.stiffness / shaker.mass,
-                damping=shaker.damping / shaker.mass,
-                rigid=float(shaker.rigid),
+                stiffness=suspension.stiffness / suspension.mass,
+                damping=suspension.damping / suspension.mass,
+                rigid=float(rig.shaker.rigid),
             )
         ),
         stop=np.array(

@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from satvib_common.errors import SatvibError
 from satvib_plant_sim.disturbance import disturbance_kinds, make_disturbance
 from satvib_plant_sim.disturbance.mixer import Mixer
+from satvib_plant_sim.disturbance.sweep import step_values
 from satvib_plant_sim.plant.plant import Plant
 from satvib_plant_sim.rig.rig import load_rig
 from scipy.signal import chirp, welch
@@ -339,6 +340,18 @@ def test_a_multisine_that_fits_no_grid_is_refused():
         values({'kind': 'multisine', 'rms': 1.0, 'low': 3.0, 'high': 60.0, 'period': 0.33333}, 1.0)
     with pytest.raises(SatvibError, match='no multiple of'):
         make_disturbance({'kind': 'multisine', 'rms': 1.0, 'low': 1.1, 'high': 1.9, 'period': 1.0})
+
+
+def test_a_stepped_sine_does_not_depend_on_how_its_times_are_asked_for():
+    """Truth: one time after the other, each with the phase added up from the first step; bit for bit, backwards too."""
+    times, steps = np.array([0.0, 1e9, 1e-3]), np.array([1.0, 5.0, 0.05, 60.0, 0.03])
+    grid, whole, alone = np.arange(0.0, 2000.0, 7.0), *np.zeros((2, 286))
+    for order in (1, -1):
+        step_values(times, steps, 3.0, grid[::order].copy(), whole)
+        for j, n in enumerate(grid[::order]):
+            step_values(times, steps, 3.0, np.array([n]), alone[j : j + 1])
+        assert_array_equal(whole, alone)
+        assert np.ptp(whole) > 1.9
 
 
 def test_a_stepped_sine_stays_at_its_frequencies():

@@ -5,12 +5,15 @@
 import dataclasses
 import math
 
+import numpy as np
 import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema
+from satvib_plant_sim.disturbance.factory import make_disturbance
+from satvib_plant_sim.plant.plant import Plant
 from satvib_plant_sim.rig.rig import Rig, load_rig, rig_names
 
 NAMES = ['clean_1dof', 'clean_3dof', 'hexapod_6dof', 'paper_1dof', 'paper_3dof', 'soft_3dof']
@@ -134,13 +137,49 @@ def test_any_number_anywhere_gives_a_rig_or_a_message_that_names_it(key, value):
         assert math.isfinite(node)
 
 
+def test_a_rigid_shaker_needs_no_mass_and_no_suspension(tmp_path):
+    """Truth: the same rig with them, whose samples have the same bits; one that gives way names what is missing."""
+    data = load_rig('soft_3dof', {'shaker.rigid': True}).to_mapping()
+    given = load_rig('soft_3dof', {'shaker.rigid': True})
+    path = tmp_path / 'mine.yaml'
+    path.write_text(yaml.safe_dump(data | {'shaker': {'rigid': True}}))
+    rig = load_rig(path)
+    assert rig.shaker.mass is None
+    tone = make_disturbance({'kind': 'sine', 'amplitude': 1.0, 'frequency': 9.0})
+    for one, other in zip(*(_samples(Plant(r, tone, 1)) for r in (rig, given)), strict=True):
+        np.testing.assert_array_equal(one, other)
+    for shaker in ({}, {'mass': 5.0, 'damping': 1.0}):
+        path.write_text(yaml.safe_dump(data | {'shaker': shaker}))
+        missing = ', '.join(k for k in ('mass', 'stiffness', 'damping') if k not in shaker)
+        with pytest.raises(SatvibError, match=rf'mine\.yaml: shaker\.{missing}: missing'):
+            load_rig(path)
+    path.write_text(yaml.safe_dump(data | {'shaker': {'rigid': True}}))
+    with pytest.raises(SatvibError, match='only a rigid shaker needs none'):
+        load_rig(path, {'shaker.rigid': False})
+
+
+def _samples(plant):
+    """Readings of 40 samples at 0 V."""
+    found = []
+    for _ in range(40):
+        found.append(plant.sample().upper)
+        plant.advance(np.zeros(3))
+    return found
+
+
 def test_files_of_ones_own(tmp_path):
     """A path is read; a broken file is told with its path."""
     path = tmp_path / 'mine.yaml'
     path.write_text(yaml.safe_dump({**load_rig('paper_1dof').to_mapping(), 'name': 'mine'}))
     assert load_rig(path, {'payload.mass': 4.0}).payload.mass == 4.0
-    path.write_text('payload: {mass: 3.0}\n')
-    with pytest.raises(SatvibError, match=r'mine\.yaml: .*missing'):
+    path.write_text(
+        'payload: {mass: 3.0}\nstruts: {stiffness: 1e3, damping: 1.0, stop_damping: 1.0}\n'
+    )
+    at_once = r'struts\.stroke_limit, struts\.stop_stiffness, coil, shaker, accelerometer, acquisition: missing'
+    with pytest.raises(SatvibError, match=rf'mine\.yaml: {at_once}'):
+        load_rig(path)
+    path.write_text('payload: {maas: 3.0}\n')
+    with pytest.raises(SatvibError, match=r'payload\.maas: no such key; did you mean mass'):
         load_rig(path)
     path.write_text('- 1\n')
     with pytest.raises(SatvibError, match=r'mine\.yaml: a mapping of keys is expected'):

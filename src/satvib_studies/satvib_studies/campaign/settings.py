@@ -30,6 +30,7 @@ from satvib_common.schema import Schema, param
 from satvib_common.settings_text import is_key
 from satvib_experiment.scenario.settings_file import (
     SCENARIO_PATHS,
+    called,
     load_settings,
     names_in,
     resolve_path,
@@ -132,5 +133,5 @@ def load_campaign(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Ca
     if 'set' in data:
         data['set'] = resolve_paths('set', data['set'], _PATHS, path.parent)
     data.setdefault('name', path.stem)
-    campaign = Campaign.from_mapping(data, str(path))
+    campaign = Campaign.from_mapping(data, called('campaign', path, FOLDER))
     return campaign.replace(scenario=resolve_path(campaign.scenario, path.parent))

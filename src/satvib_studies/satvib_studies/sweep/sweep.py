@@ -34,7 +34,7 @@ from satvib_common.schema import Schema, param
 from satvib_experiment.recording.recording import Recording
 from satvib_experiment.scenario.memory import check_needs
 from satvib_experiment.scenario.scenario import Scenario, check_scenario
-from satvib_experiment.scenario.settings_file import load_settings, names_in, settings_path
+from satvib_experiment.scenario.settings_file import called, load_settings, names_in, settings_path
 
 FOLDER = Path(__file__).parents[1] / 'sweeps'
 _CELL = 5000.0  # bytes of a cell, at least
@@ -171,7 +171,8 @@ def load_sweep(name_or_path: str | Path, overrides: list[str] | None = None) -> 
         SatvibError: no such sweep, or a wrong key in it.
     """
     path = settings_path('sweep', name_or_path, FOLDER)
-    return Sweep.from_mapping(load_settings(path, overrides or []), str(path))
+    where = called('sweep', path, FOLDER)
+    return Sweep.from_mapping(load_settings(path, overrides or []), where)
 
 
 def run_cell(cell: Cell) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError, printable
 from satvib_common.files.suggestions import nearest
-from satvib_common.records.table import Table, is_time_name, listed
+from satvib_common.records.table import Table, is_time_name, listed, refuse_same
 from satvib_common.records.time_column import unit_of
 from satvib_common.records.units import unit_in_name
 
@@ -77,11 +77,13 @@ class Channels:
     Attributes:
         found: in the order of the file.
         scalars: single numbers by name; one of them may be the sample rate.
+        texts: names of what holds text, where the format does not list it among the channels.
         notes: what should be known about the file.
     """
 
     found: list[Channel]
     scalars: dict[str, float] = field(default_factory=dict)
+    texts: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
     def table(self, path: Path, wanted: Sequence[str], time: str | None) -> Table:
@@ -96,6 +98,9 @@ class Channels:
             SatvibError: no such channel, or channels that do not belong together.
         """
         chosen = [self._channel(path, name) for name in wanted]
+        timed = [] if time is None else [self._channel(path, time)]
+        asked = [*wanted, *([] if time is None else [time])]
+        refuse_same(path, asked, [id(channel) for channel in (*chosen, *timed)])
         _check_together(path, chosen)
         table = Table(
             columns=[numbers(path, c.name, c.load(), c.size) for c in chosen],
@@ -133,6 +138,9 @@ class Channels:
                     f'{path}: no channel {int(name)}; there are {len(self.found)}: {self.listed()}'
                 )
             return _readable(path, self.found[int(name) - 1])
+        for others, what in ((self.texts, 'holds text'), ([*self.scalars], 'is a single number')):
+            if any(name in {known, _own(known)} for known in others):
+                raise SatvibError(f'{path}: {name} {what}, not a record of numbers')
         raise SatvibError(
             f'{path}: no channel {name!r}; {nearest(name, [c.name for c in self.found])}'
         )
@@ -192,6 +200,11 @@ class Channels:
             if not group:
                 return 0.0
             group = _group(group)
+
+
+def _own(name: str) -> str:
+    """A name without what it is in."""
+    return name[len(_group(name)) :].lstrip('./')
 
 
 def _group(name: str) -> str:

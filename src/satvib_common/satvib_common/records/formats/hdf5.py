@@ -87,10 +87,17 @@ class _Walk:
             return
         elif 'MATLAB_object_decode' in item.attrs:
             self.found.found.append(Channel(name=name, size=0, load=list, reason=OBJECT))
+        elif self.is_text(item):
+            self.found.texts.append(name)
         elif item.dtype.kind == 'O':
             self.references(item, name, group, depth)
-        elif _text(item.attrs.get('MATLAB_class')) != 'char' and 'MATLAB_empty' not in item.attrs:
+        elif 'MATLAB_empty' not in item.attrs:
             self.dataset(item, name, group)
+
+    def is_text(self, item: Any) -> bool:
+        """Whether a dataset holds text, as MATLAB or as HDF5 writes it."""
+        matlab = _text(item.attrs.get('MATLAB_class')) == 'char'
+        return matlab or self.h5py.check_string_dtype(item.dtype) is not None
 
     def references(self, item: Any, name: str, group: str, depth: int) -> None:
         """Add the elements of cells and of structure arrays, which are references."""

@@ -50,6 +50,8 @@ def channels(path: Path, recover: bool = False) -> Iterator[Channels]:
                 found.found.append(Channel(name=name, size=0, load=list, reason=OBJECT))
             elif kind in _TREES or (math.prod(shape) == 1 and kind not in _SKIPPED):
                 _walk(found, pairs, name, '', load())
+            elif kind == 'char':
+                found.texts.append(name)
             elif kind not in _SKIPPED:
                 reason = 'a sparse matrix' if kind == 'sparse' else ''
                 found.found += array_channels(name, '', shape, load, short=name, reason=reason)
@@ -109,7 +111,9 @@ def _walk(found: Channels, pairs: dict[str, Any], name: str, group: str, value: 
             _walk(found, pairs, own, group, item)
     elif value.size == 1 and kind in 'buif':
         pairs[name] = value.reshape(-1)[0]
-    elif kind not in 'US':
+    elif kind in 'US':
+        found.texts.append(name)
+    else:
         reason = '' if kind in 'buif' else f'holds {value.dtype}, not numbers'
         found.found += array_channels(
             name,

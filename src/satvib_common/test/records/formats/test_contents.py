@@ -76,13 +76,18 @@ def test_what_matlab_files_hold_besides_numbers_is_named(mat):
     from scipy.sparse import eye_array
 
     path = mat(
-        u=A, z=A + 1j * B, s=eye_array(N), cube=np.ones((3, 4, 5)), long=np.ones(7), text='abc'
-    )
+        u=A, y=B, z=A + 1j * B, s=eye_array(N), cube=np.ones((3, 4, 5)), long=np.ones(7),
+        text='abc', fs=200.0, run={'what': 'abc', 'level': 2.0},
+    )  # fmt: skip
     assert 'z holds complex128, not numbers' in refused(path, 'u', 'z')
     assert 's: a sparse matrix' in refused(path, 'u', 's')
     assert 'cube: an array of 3 dimensions' in refused(path, 'u', 'cube')
     assert 'u and long do not belong together: 64 and 7 samples' in refused(path, 'u', 'long')
-    assert '--time: long has 7 samples, u has 64' in refused(path, 'u', 'u', time='long')
+    assert '--time: long has 7 samples, u has 64' in refused(path, 'u', 'y', time='long')
+    for name in ('text', 'run.what', 'what'):
+        assert f'{name} holds text, not a record of numbers' in refused(path, 'u', name)
+    for name in ('fs', 'run.level', 'level'):
+        assert f'{name} is a single number, not a record of numbers' in refused(path, name, 'y')
 
 
 def test_a_file_without_numbers_is_no_record(mat):
@@ -126,6 +131,12 @@ def test_a_group_that_holds_itself_ends(tmp_path):
         group = file.create_group('loop')
         group['again'] = group
         file['elsewhere'] = h5py.ExternalLink('other.h5', '/')
+        file['who'] = ['a', 'b', 'c']
+        file['old'] = np.array([b'a', b'b'])
+        file['mat'] = np.array([97, 98], dtype=np.uint16)
+        file['mat'].attrs['MATLAB_class'] = np.bytes_('char')
+    for name in ('who', 'old', 'mat'):
+        assert f'{name} holds text' in refused(tmp_path / 'x.h5', 'u', name)
     assert list_columns(tmp_path / 'x.h5') == '1 u (64), 2 y (64)'
 
 
@@ -139,6 +150,7 @@ def test_groups_of_tdms(tmp_path):
             ChannelObject('Run 1', 'acc', A, properties=about), ChannelObject('Run 2', 'acc', B, properties=about),
             ChannelObject('Run 2', 'coil', B), ChannelObject('Run 1', 'who', ['x', 'y']),
             ChannelObject('Run 1', 'late', A, properties={'wf_increment': 0.25, 'wf_start_offset': 3.0}),
+            ChannelObject('Run 1', 'also', B, properties={'wf_increment': 0.25, 'wf_start_offset': 3.0}),
         ])  # fmt: skip
     assert "the name 'acc' occurs 2 times; give 'Run 1/acc' or 'Run 2/acc'" in refused(
         path, 'coil', 'acc'
@@ -146,7 +158,7 @@ def test_groups_of_tdms(tmp_path):
     assert 'Run 1/who: holds no numbers' in refused(path, 'coil', 'who')
     assert 'sample periods 0 and 0.25 s' in refused(path, 'coil', 'Run 2/acc')
     assert 'they begin 3 s apart' in refused(path, 'Run 1/acc', 'late')
-    record = column_record(path, 'late', 'late', units=('V', 'g'))
+    record = column_record(path, 'late', 'also', units=('V', 'g'))
     assert record.dt == 0.25
     line = refused(path, None, None)
     assert 'there are 1 Run 1/acc [g] (64)' in line
@@ -278,6 +290,25 @@ def test_a_text_without_names_lists_what_there_is(tmp_path):
     assert list_columns(tmp_path / 'x.csv') == '1 time (ms), 2 coil, 3 acc'
     (tmp_path / 'x.csv').write_text('1,2,3\n' * 9)
     assert 'the file has no header line' in refused(tmp_path / 'x.csv', None, None)
+
+
+def test_a_column_is_no_response_to_itself(written, case):
+    """In every format. Truth: the name that was given twice."""
+    u, y = case.columns
+    line = refused(written, u, u)
+    assert f'column {u!r} is named twice; input, output and time differ' in line
+    if case.suffix != '.lvm':  # whose times stand before each channel
+        assert f'column {y!r} is named twice' in refused(written, u, y, time=y)
+
+
+def test_a_number_and_a_name_of_one_column_are_the_same(mat, tmp_path):
+    """Truth: the order in which the columns were written."""
+    text = tmp_path / 'x.csv'
+    text.write_text('t,u [V],u,y\n' + ''.join(f'{i},{i},{i},{i}\n' for i in range(9)))
+    assert "column 'y' and '4' are one" in refused(text, 'y', '4')
+    assert "column '1' and 't' are one" in refused(text, '1', 'y', time='t')
+    assert "column 'u' and '1' are one" in refused(mat(u=A, y=B), 'u', '1')
+    assert column_record(text, '2', '3').u.size == 9  # two columns of one name are two
 
 
 def test_which_files_have_columns(tmp_path, written):
