@@ -71,7 +71,7 @@ def test_the_band_of_periods_covers_the_transmissibility_of_a_rig(seeds):
 def measured(law='velocity_feedback', excite=('base', 'coils'), **changes):
     scenario = load_scenario('soft_3dof', ['seed=3'])
     settings = MeasurementSettings(
-        **{'duration': 20.0, 'period': 5.0, 'settle': 5.0, 'high': 60.0, **changes}
+        **{'duration': 16.0, 'period': 4.0, 'settle': 4.0, 'high': 60.0, **changes}
     )
     return measure_scenario(scenario, simulate, settings, FrfSettings(), (law,), excite)
 

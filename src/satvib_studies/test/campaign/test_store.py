@@ -19,8 +19,10 @@ PARAMETERS = {'rig.payload.mass': {'kind': 'uniform', 'low': 7.0, 'high': 11.0}}
 CAMPAIGN = Campaign(
     name='kept', scenario='quick_3dof', trials=18, chunk=6, parameters=PARAMETERS, seed=3
 )
+# Python keeps half a module's bytecode where the rest of it finds no room, and cannot read it later
 LIMITED = """
 import resource, signal, sys
+sys.dont_write_bytecode = True
 from satvib_bringup.cli.main import main
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)), resource.RLIM_INFINITY))
