@@ -74,7 +74,7 @@ def main() -> None:
         run = simulate(load_scenario('hexapod_6dof_wheel', [change] if change else []))
         runs[name] = run
         angle = np.hypot(*tilt(rig, run.get('truth', 'stroke')).T)
-        window = run.window(18.0, 28.0)
+        window = run.window(28.0, 38.0)
         rms = float(np.sqrt(np.mean(angle[window] ** 2))) / ARC_SECOND
         print(
             f'{name:20s} line of sight, second run-up: {rms:.2f} arc seconds RMS, largest '
@@ -89,9 +89,9 @@ def main() -> None:
             angle = tilt(rig, run.get('truth', 'stroke')) / ARC_SECOND
             right.plot(run.time, np.hypot(*angle.T), color=RUNS[name][1], lw=0.8, label=name)
         # before that the coils excite the struts for identification
-        right.set_xlim(4.0, 30.0)
+        right.set_xlim(14.0, 40.0)
         right.set_ylim(0.0, 200.0)
-        right.axvspan(4.0, 14.0, color='#F2F2F2', zorder=0)
+        right.axvspan(14.0, 24.0, color='#F2F2F2', zorder=0)
         right.set_xlabel('time in s')
         right.set_title('line of sight while a wheel runs up twice, arc seconds')
         right.legend()

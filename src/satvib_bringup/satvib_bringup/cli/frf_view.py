@@ -40,7 +40,7 @@ def _transmissibility(curves: list[dict[str, Any]], source: str) -> Table:
         merit = curve['merit'] or {}
         table.add_row(
             curve['loop'].replace('_', ' '),
-            curve['output'].replace('_', ' '),
+            _output(curve),
             _number(merit.get('peak'), 1, signed=True),
             _number(merit.get('peak_frequency'), 2),
             _number(merit.get('isolation_from'), 2),
@@ -50,6 +50,12 @@ def _transmissibility(curves: list[dict[str, Any]], source: str) -> Table:
             _number(curve['deviation_degrees'], 1),
         )
     return table
+
+
+def _output(curve: dict[str, Any]) -> str:
+    """Name of what was measured; with the motion of the base where that is not simply up and down."""
+    output, base = (str(curve[key]).replace('_', ' ') for key in ('output', 'input'))
+    return f'{output} / {base}' if base.startswith('base ') else output
 
 
 def _paths(curves: list[dict[str, Any]]) -> Table:

@@ -6,6 +6,9 @@ True: the strokes of the struts. The base moves all of them alike, so their diff
 Measured: the tilt's acceleration from the upper sensors, integrated twice. Below some frequency that is nothing but
 sensor noise, which grows with 1 / f^2; so both are taken above a stated frequency. Both axes together are the root of
 the sum of squares.
+
+A wheel that runs up is loud in a part of the stretch alone. So what is below the stated frequency is taken away from
+the signal, and the RMS is that of its samples: each counts alike, which under a window as for a spectrum they do not.
 A mirror that tilts by this turns the beam by twice as much.
 """
 
@@ -17,11 +20,12 @@ from satvib_common.arrays import Array
 from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
 
-from satvib_experiment.analysis.bands import integrated, power_lines
+from satvib_experiment.analysis.bands import integrated
 from satvib_experiment.analysis.windows import Span
 from satvib_experiment.recording.recording import Recording
 
 ARC_SECONDS = 180.0 * 3600.0 / math.pi  # per radian
+_MARGIN = 2.0  # s
 
 
 @dataclass(frozen=True)
@@ -72,19 +76,36 @@ def line_of_sight(recording: Recording, span: Span, above: float) -> Sight | Non
     if matrix is None:
         return None
     window, dt = recording.window(*span), recording.sample_period
-    tilt = true_tilt(recording, window)
-    true = math.nan
-    if tilt is not None:
-        frequency, power = power_lines(tilt, dt)
-        true = _rms(frequency, power, above)
-    upper = recording.get('acceleration', 'upper')[window]
-    frequency, power = power_lines(upper @ matrix.T, dt)
-    measured = _rms(frequency, integrated(frequency, power, 2), above)
-    return Sight(true, measured, _noise(recording, matrix, frequency, above))
+    tilt = true_tilt(recording)
+    upper = recording.get('acceleration', 'upper')
+    lines = np.asarray(np.fft.rfftfreq(len(upper[window]), dt)[1:], dtype=float)
+    return Sight(
+        true=math.nan if tilt is None else _rms(tilt, window, dt, above),
+        measured=_rms(upper @ matrix.T, window, dt, above, integrations=2),
+        noise=_noise(recording, matrix, lines, above),
+    )
 
 
-def _rms(frequency: Array, power: Array, above: float) -> float:
-    return float(np.sqrt(np.sum(power[frequency >= above])))
+def _rms(signal: Array, window: slice, dt: float, above: float, integrations: int = 0) -> float:
+    """RMS of all columns together in a window of a record (t, k), of what is above a frequency, after integrations.
+
+    Samples before and after the window, where there are some, take the edges of the filter.
+    """
+    first, last, _ = window.indices(len(signal))
+    ramp = round(_MARGIN / dt)
+    before, after = min(ramp, first), min(ramp, len(signal) - last)
+    part = signal[first - before : last + after]
+    known = np.isfinite(part)
+    mean = np.where(known, part, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+    around = np.where(known, part - mean, 0.0)
+    rise = [0.5 - 0.5 * np.cos(np.pi * np.arange(n) / max(n, 1)) for n in (before, after)]
+    weight = np.concatenate([rise[0], np.ones(last - first), rise[1][::-1]])
+    lines = np.fft.rfft(around * weight[:, None], axis=0)
+    frequency = np.fft.rfftfreq(len(part), dt)
+    turn = 2.0 * np.pi * np.maximum(frequency, above)
+    kept = np.where(frequency >= above, turn**-integrations, 0.0)
+    clean = np.fft.irfft(lines * kept[:, None], n=len(part), axis=0)[before : before + last - first]
+    return float(np.sqrt(np.mean(np.sum(clean * clean, axis=1))))
 
 
 def _noise(recording: Recording, matrix: Array, frequency: Array, above: float) -> float:
@@ -94,4 +115,4 @@ def _noise(recording: Recording, matrix: Array, frequency: Array, above: float) 
     assert recording.rig is not None
     line = noise_floor(recording.rig) ** 2 / len(frequency)
     power = np.full((len(frequency), 1), line * float(np.sum(matrix * matrix)))
-    return _rms(frequency, integrated(frequency, power, 2), above)
+    return float(np.sqrt(np.sum(integrated(frequency, power, 2)[frequency >= above])))

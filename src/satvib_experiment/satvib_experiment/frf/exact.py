@@ -11,6 +11,7 @@ from satvib_control.laws.base import BasicLaw
 from satvib_control.laws.model_reference.law import ModelReference
 from satvib_control.laws.registry import make_law
 from satvib_ident.models.iir_model import IirModel
+from satvib_plant_sim.disturbance.base import UPWARD
 from satvib_plant_sim.responses.all_struts import sampled_rig
 from satvib_plant_sim.responses.transmission import plate_responses
 from satvib_plant_sim.rig.rig import Rig
@@ -100,7 +101,10 @@ def _give_model(law: BasicLaw, recording: Recording) -> None:
 
 
 def exact_plates(
-    recording: Recording, frequency: Array, closed: bool
+    recording: Recording,
+    frequency: Array,
+    closed: bool,
+    direction: tuple[float, ...] = UPWARD,
 ) -> tuple[Complex, Complex] | None:
     """Give the accelerations of upper and lower plate (f, n) per m/s^2 of the source; None where they are not known.
 
@@ -108,6 +112,7 @@ def exact_plates(
         recording: a run whose rig is known.
         frequency: (f,) Hz.
         closed: with the law's feedback.
+        direction: of listed struts: in which the source moves the base, see `plate_responses`.
     """
     rig = recording.rig
     if not isinstance(rig, Rig):
@@ -115,7 +120,7 @@ def exact_plates(
     feedback = law_feedback(recording, frequency) if closed else None
     if closed and feedback is None:
         return None
-    return plate_responses(rig, frequency, feedback)
+    return plate_responses(rig, frequency, feedback, direction=direction)
 
 
 def exact_paths(recording: Recording, frequency: Array) -> Complex | None:

@@ -12,6 +12,7 @@ from satvib_common.struts.names import strut_label
 
 from satvib_experiment.frf.curve import OPEN as OPEN_LOOP
 from satvib_experiment.frf.curve import PATH, TRANSMISSIBILITY, Curve
+from satvib_experiment.frf.modes import MOTION_NAMES
 from satvib_experiment.report.style import FAINT, INK, MEASURED, MODEL, OPEN, STRUTS, figure, legend
 
 MOST_COLUMNS = 3
@@ -23,10 +24,9 @@ def draw_figures(curves: Sequence[Curve], folder: Path) -> list[Path]:
     Raises:
         OSError: a file cannot be written.
     """
-    motion = ('heave', 'tilt')
     moved = [c for c in curves if c.quantity == TRANSMISSIBILITY]
-    struts = [c for c in moved if not c.output.startswith(motion)]
-    motions = [c for c in moved if c.output.startswith(motion)]
+    struts = [c for c in moved if c.output not in MOTION_NAMES]
+    motions = [c for c in moved if c.output in MOTION_NAMES]
     paths = [c for c in curves if c.quantity == PATH]
     drawn = []
     for name, chosen, unit in (

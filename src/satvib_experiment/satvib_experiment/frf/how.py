@@ -62,6 +62,23 @@ def moved_by(disturbance: Disturbance, start: float, end: float, dt: float) -> M
     return Moved(low, high, whole=whole) if found else Moved()
 
 
+def base_directions(disturbance: Disturbance, start: float, end: float) -> list[tuple[float, ...]]:
+    """Give the directions in which the base is moved from `start` to `end`, s, each once.
+
+    They are factors along and about x, y, z. Each has the length 1, metres and radians alike, and its first factor
+    that is not 0 is positive.
+    """
+    found: list[Array] = []
+    for part in disturbance.parts():
+        if part.target != 'base' or part.start >= end or (part.stop or math.inf) <= start:
+            continue
+        given = np.array(part.weights(6))
+        given = given / (np.linalg.norm(given) * np.sign(given[np.flatnonzero(given)[0]]))
+        if not any(np.allclose(given, other, atol=1e-9) for other in found):
+            found.append(given)
+    return [tuple(float(v) for v in given) for given in found]
+
+
 def _band(part: Disturbance) -> tuple[float, float] | None:
     """Edges of the band of a disturbance, Hz; None for one whose band is not a matter of its settings."""
     if isinstance(part, Multisine | Random):

@@ -17,7 +17,12 @@ from satvib_experiment.frf.curve import OPEN, PATH, TRANSMISSIBILITY, Curve
 from satvib_experiment.frf.how import Moved, estimate
 from satvib_experiment.frf.measurement import MeasurementSettings, base_scenario, coil_scenario
 from satvib_experiment.frf.paths import coupling, secondary_paths
-from satvib_experiment.frf.transmission import check_moved, transmissibilities
+from satvib_experiment.frf.transmission import (
+    check_moved,
+    direction_notes,
+    resolution_notes,
+    transmissibilities,
+)
 from satvib_experiment.recording.recording import Recording
 from satvib_experiment.recording.run_folder import write_scenario
 from satvib_experiment.scenario.scenario import Scenario, check_scenario
@@ -126,7 +131,8 @@ def measure_recording(
     curves = transmissibilities(recording, settings, period)
     curves += secondary_paths(recording, settings)
     check_moved(curves, recording)
-    notes = [*recording.notes, *_reasons(recording, '')]
+    notes = [*recording.notes, *direction_notes(recording), *resolution_notes(curves)]
+    notes += _reasons(recording, '')
     return Measured(recording.source, curves, coupling(curves, _struts(curves)), notes)
 
 

@@ -52,6 +52,10 @@ class MeasurementSettings(Schema):
         None, 'of a coil, peak; none: as the scenario excites it', unit='V', above=0.0
     )
 
+    direction: tuple[float, ...] = param(
+        (), 'of the base: factors along x, y, z, or along and about them; none: along z'
+    )
+
     def check(self) -> None:
         """Refuse an empty band, and too few periods."""
         if self.high is not None and self.high <= self.low:
@@ -133,12 +137,15 @@ def _base_signal(
     """Give the disturbance; a sweep and a stepped sine begin again with each stretch that is measured."""
     high = s.edge(rig)
     level = s.level or max(_LEVEL, _ABOVE_NOISE * _noise(rig))
+    given = {'direction': list(s.direction)} if s.direction else {}
     if s.signal == 'multisine':
         band = {'rms': level, 'low': s.low, 'high': high, 'period': s.period}
-        return {'kind': 'multisine', 'start': start, **band}
+        return {'kind': 'multisine', 'start': start, **band, **given}
     if s.signal == 'random':
-        return {'kind': 'random', 'rms': level, 'low': s.low, 'high': high, 'start': start}
+        band = {'rms': level, 'low': s.low, 'high': high}
+        return {'kind': 'random', 'start': start, **band, **given}
     ends = {
+        **given,
         'amplitude': math.sqrt(2.0) * level,
         'frequency': s.low,
         'end_frequency': high,

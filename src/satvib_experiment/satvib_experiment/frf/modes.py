@@ -7,10 +7,12 @@ from satvib_common.arrays import Array
 from satvib_plant_sim.rig.any_rig import AnyRig
 from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
+from satvib_plant_sim.rig.structure import MOTIONS
 
 NAMES = {
     'w': 'heave', 'alpha': 'tilt_x', 'beta': 'tilt_y', 'z': 'heave', 'rx': 'tilt_x', 'ry': 'tilt_y',
 }  # fmt: skip
+MOTION_NAMES = frozenset({*NAMES.values(), *MOTIONS} - {'z', 'rx', 'ry'})
 
 
 def named_motions(rig: AnyRig | None) -> tuple[tuple[str, ...], Array]:
@@ -23,3 +25,17 @@ def named_motions(rig: AnyRig | None) -> tuple[tuple[str, ...], Array]:
         return (), np.zeros((0, 0))
     found = payload_modes(rig)
     return tuple(NAMES.get(name, name) for name in found.names), found.mode
+
+
+def along(rig: Rig, direction: tuple[float, ...]) -> Array:
+    """Give a direction of the base (6) as motions of the payload (m), turns at the struts' radius; of length 1."""
+    found = payload_modes(rig)
+    if not rig.struts.each:
+        return np.array([1.0] + [0.0] * (len(found.names) - 1))
+    factors = np.array(
+        [
+            direction[MOTIONS.index(name)] * (found.radius if name.startswith('r') else 1.0)
+            for name in found.names
+        ]
+    )
+    return np.asarray(factors / max(float(np.linalg.norm(factors)), 1e-300))

@@ -16,6 +16,7 @@ from satvib_common.errors import SatvibError
 
 from satvib_experiment.frf.curve import TRANSMISSIBILITY, Curve
 from satvib_experiment.frf.merit import merit_of
+from satvib_experiment.frf.modes import MOTION_NAMES
 
 FORMAT = 'satvib frf 1'
 COLUMNS = (
@@ -27,7 +28,8 @@ COLUMNS = (
 def plain_curve(curve: Curve) -> dict[str, Any]:
     """Give the figures of a curve as plain data; what is not known is None."""
     merit = merit_of(curve.measured) if curve.quantity == TRANSMISSIBILITY else None
-    if merit is not None and curve.output.startswith('tilt'):
+    own = {f'base_{curve.output}', *(('base',) if curve.output == 'heave' else ())}
+    if merit is not None and curve.output in MOTION_NAMES and curve.input not in own:
         # a tilt is no share of the motion of a base that heaves: it has a peak, and nothing begins at 0 dB
         merit = replace(
             merit, isolation_from=None, roll_off=None, roll_off_from=None, roll_off_to=None

@@ -2,21 +2,30 @@
 # SPDX-License-Identifier: Apache-2.0
 """Transmissibility of a recorded run, payload over base: strut by strut and motion by motion, open and closed loop."""
 
+from collections.abc import Sequence
+
 import numpy as np
-from satvib_common.arrays import Array, Complex
+from satvib_common.arrays import Array, Complex, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_ident.frequency.settings import FrfSettings
+from satvib_plant_sim.disturbance.base import UPWARD
+from satvib_plant_sim.rig.rig import Rig
 
 from satvib_experiment.analysis.tones import disturbance_onset
 from satvib_experiment.analysis.windows import Span, find_windows
 from satvib_experiment.frf.curve import OPEN, TRANSMISSIBILITY, Curve
 from satvib_experiment.frf.exact import exact_plates
-from satvib_experiment.frf.how import Moved, estimate, moved_by
-from satvib_experiment.frf.modes import named_motions
+from satvib_experiment.frf.how import Moved, base_directions, estimate, moved_by
+from satvib_experiment.frf.merit import merit_of
+from satvib_experiment.frf.modes import along, named_motions
 from satvib_experiment.recording.recording import Recording
 
 BASE = 'base'
+Direction = tuple[float, ...]
+_PURE = 1.0 - 1e-6  # share of one motion from which the base moves in that one alone
+_NARROW = 0.1  # of a peak's frequency: width of a mode with a damping ratio of 5 %
+_LEAST = 1e-3  # share of the largest power up to which the base does not move there
 
 
 def transmissibilities(
@@ -30,8 +39,9 @@ def transmissibilities(
         period: s, after which what moves the base repeats; None: as the scenario says.
 
     Returns:
-        One curve for each loop and strut, and for each motion of the payload where the rig is known. Nothing for a
-        run whose base does not move, or whose lower plates were not measured.
+        One curve for each loop and strut, and for each motion of the payload where the rig is known. Where the base
+        moves in several directions at once, a motion is over the same motion of the base, and nothing exact is known.
+        Nothing for a run whose base does not move, or whose lower plates were not measured.
 
     Raises:
         SatvibError: a stretch is too short.
@@ -52,12 +62,18 @@ def transmissibilities(
         moved = moved_by(disturbance, *span, dt) if disturbance else Moved()
         if period is not None:
             moved = Moved(moved.low, moved.high, round(period / dt))
-        found += _curves(recording, span, closed, moved, settings)
+        directions = base_directions(disturbance, *span) if disturbance else []
+        found += _curves(recording, span, closed, moved, directions, settings)
     return found
 
 
 def _curves(
-    recording: Recording, span: Span, closed: bool, moved: Moved, settings: FrfSettings
+    recording: Recording,
+    span: Span,
+    closed: bool,
+    moved: Moved,
+    directions: list[Direction],
+    settings: FrfSettings,
 ) -> list[Curve]:
     window = recording.window(*span)
     upper = recording.get('acceleration', 'upper')[window].T
@@ -66,24 +82,65 @@ def _curves(
         return []
     dt = recording.sample_period
     loop = law_name(recording) if closed else OPEN
+    listed = isinstance(recording.rig, Rig) and bool(recording.rig.struts.each)
+    one = directions[0] if directions and listed else UPWARD
+    known = len(directions) < 2
+
+    def exact(frequency: Array) -> tuple[Complex, Complex] | None:
+        return exact_plates(recording, frequency, closed, one) if known else None
+
     measured = estimate(lower, upper, dt, moved, settings)
-    exact = exact_plates(recording, measured.frequency, closed)
+    plates = exact(measured.frequency)
+    moves = _moves(lower)  # a foot that moves across its strut alone gives nothing to divide by
     curves = [
-        Curve(TRANSMISSIBILITY, loop, name, BASE, measured[i], _ratio(exact, i))
+        Curve(TRANSMISSIBILITY, loop, name, BASE, measured[i], _ratio(plates, i))
         for i, name in enumerate(recording.struts)
+        if moves[i]
     ]
     names, matrix = named_motions(recording.rig)
     if len(names) < 2:
         return curves
-    heave = names.index('heave') if 'heave' in names else 0
-    motions, base = _times(matrix, upper), _times(matrix[heave : heave + 1], lower)
-    measured = estimate(base, motions, dt, moved, settings)
+    if not known:
+        return curves + _own_motions(loop, names, matrix, lower, upper, dt, moved, settings)
+    assert isinstance(recording.rig, Rig)
+    base = along(recording.rig, one) @ matrix
+    measured = estimate(_times(base[None], lower), _times(matrix, upper), dt, moved, settings)
+    plates = exact(measured.frequency)
     for m, name in enumerate(names):
-        truth = None
-        if exact is not None:
-            truth = (exact[0] @ matrix[m]) / (exact[1] @ matrix[heave])
-        curves.append(Curve(TRANSMISSIBILITY, loop, name, BASE, measured[m], truth))
+        truth = None if plates is None else (plates[0] @ matrix[m]) / (plates[1] @ base)
+        curves.append(
+            Curve(TRANSMISSIBILITY, loop, name, _input(recording.rig, one), measured[m], truth)
+        )
     return curves
+
+
+def _input(rig: Rig, direction: Direction) -> str:
+    """Name the motion of the base: 'base' where it heaves, 'base_x' and so on along one motion, else its factors."""
+    names, _ = named_motions(rig)
+    share = along(rig, direction)
+    name = names[int(np.argmax(np.abs(share)))]
+    if np.max(np.abs(share)) < _PURE:
+        return f'base along {" ".join(f"{v:.2g}" for v in direction)}'
+    return BASE if name == 'heave' else f'{BASE}_{name}'
+
+
+def _moves(signals: Array) -> Mask:
+    """Which of (m, t) have more than a thousandth of the largest power."""
+    power = np.nanvar(signals, axis=1)
+    return np.asarray(power > _LEAST * np.nanmax(power))
+
+
+def _own_motions(
+    loop: str, names: tuple[str, ...], matrix: Array, lower: Array, upper: Array, dt: float,
+    moved: Moved, settings: FrfSettings,
+) -> list[Curve]:  # fmt: skip
+    """Each motion of the payload over the same motion of the base, where the base has it."""
+    base = _times(matrix, lower)
+    found = []
+    for m in np.flatnonzero(_moves(base)):
+        measured = estimate(base[m], _times(matrix[m : m + 1], upper)[0], dt, moved, settings)
+        found.append(Curve(TRANSMISSIBILITY, loop, names[m], f'{BASE}_{names[m]}', measured))
+    return found
 
 
 def _times(matrix: Array, signals: Array) -> Array:
@@ -114,3 +171,38 @@ def check_moved(curves: list[Curve], recording: Recording) -> None:
             f'{recording.source}: no stretch in which the base moves or a coil is driven; what measures is written by '
             '`satvib frf SCENARIO`'
         )
+
+
+def resolution_notes(curves: Sequence[Curve]) -> list[str]:
+    """Say where the lines are too far apart for the peaks that they show."""
+    coarse = []
+    for curve in curves:
+        merit = merit_of(curve.measured) if curve.quantity == TRANSMISSIBILITY else None
+        if merit is None or curve.measured.frequency.size < 2:
+            continue
+        spacing = float(np.min(np.diff(curve.measured.frequency)))
+        if spacing > _NARROW * merit.peak_frequency:
+            coarse.append(spacing)
+    if not coarse:
+        return []
+    text = (
+        f'lines are {max(coarse):.2g} Hz apart, too far for the peaks: peak and roll-off are rough; a longer stretch '
+        'helps, or fewer --averages'
+    )
+    return [text]
+
+
+def direction_notes(recording: Recording) -> list[str]:
+    """Say what must be known of a base that moves in several directions at once."""
+    scenario = recording.scenario
+    if scenario is None or not isinstance(recording.rig, Rig) or not recording.rig.struts.each:
+        return []
+    found = base_directions(scenario.make_disturbance(), 0.0, scenario.duration)
+    if len(found) < 2:
+        return []
+    text = (
+        f'the base moves in {len(found)} directions at once: a strut shows their mixture, a motion is over the same '
+        'motion of the base, and lines of low coherence say nothing; `satvib frf SCENARIO --direction` moves one at a '
+        'time'
+    )
+    return [text]

@@ -46,6 +46,17 @@ def test_what_lies_below_the_stated_frequency_does_not_count(synthetic):
     assert line_of_sight(run, (0.0, 20.0), 0.5).true == pytest.approx(14.14e-6, rel=0.01)
 
 
+def test_a_tilt_that_comes_late_counts_as_one_that_is_in_the_middle(synthetic):
+    """A burst of 2 s in a stretch of 20 s. Truth: 20 urad amplitude in a tenth of the time, 4.472 urad RMS; 5 %."""
+    rig = load_rig('soft_3dof')
+    for first in (2.0, 9.0, 16.0):
+        run = tilting(synthetic, rig, 20e-6, 11.0)
+        inside = (run.time >= first) & (run.time < first + 2.0)
+        run.groups['truth']['stroke'] = np.where(inside[:, None], run.get('truth', 'stroke'), 0.0)
+        found = line_of_sight(run, (0.0, 20.0), 2.0)
+        assert found.true == pytest.approx(20e-6 / np.sqrt(2) * np.sqrt(0.1), rel=0.05)
+
+
 def test_the_noise_of_the_sensors_is_foretold(synthetic):
     """Truth: white noise of the rig's own level on every sensor, 50 records of 20 s; 10 %."""
     from satvib_plant_sim.physics.noise import noise_floor

@@ -20,7 +20,7 @@ from satvib_common.arrays import Array, Complex
 
 from satvib_plant_sim.physics.mechanics import input_columns
 from satvib_plant_sim.physics.state import size_of
-from satvib_plant_sim.responses.continuous import state_space
+from satvib_plant_sim.responses.continuous import moving_states, state_space
 from satvib_plant_sim.responses.one_strut import hold_taps
 from satvib_plant_sim.rig.rig import Rig
 from satvib_plant_sim.stepping.discretize import output_rows
@@ -31,7 +31,7 @@ class SampledRig:
     """x(k+1) = A x(k) + sum_i B[i] u(k-D-i), y(k) = C x(k).
 
     Attributes:
-        A: (m, m).
+        A: (m, m), of the states that can move.
         B: (taps, m, n); two taps for zero hold, three for linear.
         C: (n, m), the readings of the upper sensors.
         late: D, whole periods of latency.
@@ -56,10 +56,10 @@ class SampledRig:
 def sampled_rig(rig: Rig) -> SampledRig:
     """Give the sampled model of a rig, all struts together."""
     size, T = size_of(rig), rig.acquisition.period
-    system = state_space(rig)
-    A, B = system.A, system.B[:, input_columns(size).voltage]
+    system, moving = state_space(rig), moving_states(rig)
+    A, B = system.A[np.ix_(moving, moving)], system.B[moving, input_columns(size).voltage]
     whole, taps, late = hold_taps(A, B, rig.acquisition)
-    C = system.C[output_rows(size).read_upper]
+    C = system.C[output_rows(size).read_upper][:, moving]
     return SampledRig(A=whole, B=np.stack(taps), C=C, late=late, dt=T)
 
 

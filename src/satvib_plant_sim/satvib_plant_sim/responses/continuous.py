@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from satvib_common.arrays import Array, Complex
+from satvib_common.arrays import Array, Complex, Integers
 
 from satvib_plant_sim.physics.mechanics import input_columns, mechanics
 from satvib_plant_sim.physics.state import size_of, state_of
@@ -62,6 +62,15 @@ def state_space(rig: Rig) -> StateSpace:
         inputs=(*(f'voltage_{i}' for i in struts), *(sources if listed else ('base', 'payload'))),
         outputs=(*true, *(f'read_{name}' for name in true)),
     )
+
+
+def moving_states(rig: Rig) -> Integers:
+    """Give the states (indices) of `state_space` that can move; the plate of a rigid shaker stays at its source."""
+    size = size_of(rig)
+    index = np.arange(len(state_space(rig).A))
+    state = state_of(index, size)
+    idle = [*state.plate, *state.plate_rate] if rig.shaker.rigid else []
+    return np.setdiff1d(index, idle)
 
 
 def frequency_response(rig: Rig, frequency: ArrayLike) -> Complex:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from satvib_common.arrays import Complex
 
+from satvib_plant_sim.disturbance.base import UPWARD
 from satvib_plant_sim.responses.all_struts import sampled_rig
 from satvib_plant_sim.responses.continuous import frequency_response, state_space
 from satvib_plant_sim.responses.images import hold_response
@@ -22,7 +23,11 @@ from satvib_plant_sim.rig.rig import Rig
 
 
 def plate_responses(
-    rig: Rig, frequency: ArrayLike, feedback: Complex | None = None, source: str = 'base'
+    rig: Rig,
+    frequency: ArrayLike,
+    feedback: Complex | None = None,
+    source: str = 'base',
+    direction: tuple[float, ...] = UPWARD,
 ) -> tuple[Complex, Complex]:
     """Give the accelerations of both plates at the struts, per unit of a source.
 
@@ -30,7 +35,8 @@ def plate_responses(
         rig: the rig.
         frequency: (f,) Hz, none of them 0.
         feedback: (f, n, n) C in V per m/s^2, from readings to voltages, u = -C y; None: 0 V.
-        source: an input of `state_space`: 'base' (m/s^2) or 'payload' (N).
+        source: 'base' (m/s^2) or 'payload' (N).
+        direction: of listed struts: factors of the source along and about x, y, z. Struts on a circle have z alone.
 
     Returns:
         Upper and lower plate, (f, n) each.
@@ -45,8 +51,11 @@ def plate_responses(
     lower = [outputs.index(f'lower_{i}' if f'lower_{i}' in outputs else 'lower') for i in struts]
     read = [outputs.index(f'read_upper_{i}') for i in struts]
     volts = [inputs.index(f'voltage_{i}') for i in struts]
-    # a rig of listed struts has six directions of each source; z is the one that a circle of struts has
-    d = both[:, :, inputs.index(source if source in inputs else f'{source}_z')]
+    if source in inputs:
+        d = both[:, :, inputs.index(source)]
+    else:
+        first = inputs.index(f'{source}_x')
+        d = both[:, :, first : first + len(UPWARD)] @ np.array(direction)
     if feedback is None:
         return d[:, upper], d[:, lower]
     hold = hold_response(rig.acquisition, f)[:, None, None]
@@ -56,7 +65,12 @@ def plate_responses(
     return d[:, upper] + moved[:, upper, 0], d[:, lower] + moved[:, lower, 0]
 
 
-def transmissibility(rig: Rig, frequency: ArrayLike, feedback: Complex | None = None) -> Complex:
+def transmissibility(
+    rig: Rig,
+    frequency: ArrayLike,
+    feedback: Complex | None = None,
+    direction: tuple[float, ...] = UPWARD,
+) -> Complex:
     """Give upper over lower acceleration of each strut (f, n) for a moving base; arguments as above."""
-    upper, lower = plate_responses(rig, frequency, feedback)
+    upper, lower = plate_responses(rig, frequency, feedback, direction=direction)
     return np.asarray(upper / lower)

@@ -76,19 +76,22 @@ class Kind:
         return low, high, start
 
 
-def lqg_kind(rig: Rig, frequency: float, level: float) -> Kind:
+def lqg_kind(
+    rig: Rig, frequency: float, level: float, directions: tuple[tuple[float, ...], ...] = ()
+) -> Kind:
     """Give LQG: what a volt counts, and what the design is told of noise and tone.
 
     Args:
         rig: as it is.
         frequency: Hz, of the tone.
         level: m/s^2 RMS, of the tone at the source.
+        directions: of listed struts: see `Shaking`.
     """
 
     def make(v: dict[str, float]) -> Matrices:
         shaking = Shaking(
             frequency=frequency, tone=v['tone'], damping=v['tone_damping'],
-            voltage_noise=v['voltage_noise'], sensor_noise=v['sensor_noise'],
+            voltage_noise=v['voltage_noise'], sensor_noise=v['sensor_noise'], directions=directions,
         )  # fmt: skip
         return design_lqg(design_model(rig, shaking), v['voltage_weight']).matrices
 

@@ -6,18 +6,22 @@
 
 x are the mechanics, coils and upper sensor chains of the rig, the states of the disturbance, and the voltages that are
 still on their way. It is the exact sampled model, with hold, latency and anti-alias filter. q are the payload's modes,
-true, at the samples. The source's acceleration is two sorts of coloured noise together (of listed struts along z):
+true, at the samples. The source's acceleration is two sorts of coloured noise together:
 
     broad band:  white noise through  s / (s + w_1) * w_2 / (s + w_2)
     tone:        white noise through  s / (s^2 + 2 zeta w_t s + w_t^2)
 
-each scaled to the RMS that is given. With a small zeta the second is nearly a sine of the nominal frequency, so that a
+each scaled to the RMS that is given. Under listed struts there is one such source for each direction in which something
+shakes, and they are independent. With a small zeta the second is nearly a sine of the nominal frequency, so that a
 controller that is designed on it knows the tone. w is the effect of that noise in a period, e what the sensors add. The
 noise n on the voltages stands for what the model of the rig does not know (loop transfer recovery).
 
-Covariances of periods come from that of all times: with P = E P E' + Q, A_c P + P A_c' + G G' = 0, Q = P - E P E'.
+The covariance of a period, Q = int_0^dt e^(A_c t) G G' e^(A_c' t) dt, comes from that of a 256th part of it, doubled
+by Q_2h = Q_h + E_h Q_h E_h'. As P - E P E', with P the covariance of all times, it would lose so many digits that
+with six struts it has negative eigenvalues, and the Riccati equation no solution.
 
-References: Kwakernaak, Sivan, "Linear Optimal Control Systems" (1972); Doyle, Stein, "Robustness with observers", IEEE
+References: Kwakernaak, Sivan, "Linear Optimal Control Systems" (1972); Van Loan, "Computing integrals involving the
+matrix exponential", IEEE Trans. Automatic Control 23 (1978) 395; Doyle, Stein, "Robustness with observers", IEEE
 Trans. Automatic Control 24 (1979) 607.
 """
 
@@ -28,11 +32,13 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_plant_sim.physics.mechanics import input_columns
 from satvib_plant_sim.physics.state import size_of, state_size
-from satvib_plant_sim.responses.continuous import state_space
+from satvib_plant_sim.responses.continuous import moving_states, state_space
 from satvib_plant_sim.responses.one_strut import hold_taps
 from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.rig import Rig
 from satvib_plant_sim.stepping.discretize import output_rows
+
+_HALVINGS = 8  # so short a part of a period that the fastest filter hardly moves
 
 
 @dataclass(frozen=True)
@@ -47,6 +53,9 @@ class Shaking:
         damping: damping ratio of the tone's resonance.
         voltage_noise: V RMS on each voltage, at each sample.
         sensor_noise: m/s^2 RMS on each reading, at each sample.
+        directions: of listed struts: the factors of each source along and about x, y, z of the base, then of the
+            payload (12), per m/s^2 of the levels above; none: the base along z. Struts on a circle have one source,
+            the base.
     """
 
     broad_band: float = 0.2
@@ -57,6 +66,7 @@ class Shaking:
     damping: float = 1e-3
     voltage_noise: float = 0.1
     sensor_noise: float = 0.01
+    directions: tuple[tuple[float, ...], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -81,7 +91,7 @@ class DesignModel:
 
 
 def _source(s: Shaking) -> tuple[Array, Array, Array]:
-    """Give the disturbance as x' = A x + G w, a_d = c x with white noise w (2) of intensity 1."""
+    """Give one source as x' = A x + G w, a_d = c x with white noise w (2) of intensity 1."""
     w1, w2, wt = (2.0 * math.pi * f for f in (s.low, s.high, s.frequency))
     A, G = np.zeros((4, 4)), np.zeros((4, 2))
     # low-pass, then what the high-pass takes away
@@ -92,40 +102,64 @@ def _source(s: Shaking) -> tuple[Array, Array, Array]:
     return A, G, np.array([1.0, -1.0, 0.0, 1.0])
 
 
+def noise_of_period(A: Array, G: Array, dt: float) -> Array:
+    """Give the covariance (s, s) that white noise of intensity 1 makes in dt (s) by x' = A x + G w."""
+    from scipy.linalg import expm
+
+    s, h = len(A), dt / 2**_HALVINGS
+    both = expm(h * np.block([[-A, G @ G.T], [np.zeros((s, s)), A.T]]))
+    E = both[s:, s:].T
+    Q = E @ both[:s, s:]
+    for _ in range(_HALVINGS):
+        Q = Q + E @ Q @ E.T
+        E = E @ E
+    return np.asarray(0.5 * (Q + Q.T))
+
+
+def _along(rig: Rig, shaking: Shaking) -> Array:
+    """Give the factors of the sources in the inputs of base and payload, (inputs, sources)."""
+    _, base, payload = size_of(rig)
+    if rig.struts.each and shaking.directions:
+        return np.array(shaking.directions).T
+    found = np.zeros((base + payload, 1))
+    found[2 if rig.struts.each else 0] = 1.0
+    return found
+
+
 def design_model(rig: Rig, shaking: Shaking) -> DesignModel:
     """Give the model of a rig; the units of its states are such that each has about the RMS 1 at 0 V."""
-    from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
+    from scipy.linalg import solve_discrete_lyapunov
 
     n, sizes = rig.struts.count, size_of(rig)
     inputs, rows = input_columns(sizes), output_rows(sizes)
     system = state_space(rig)
     size, read = state_size(sizes), len(system.C) // 2
-    along = inputs.base.start + (2 if rig.struts.each else 0)
     # the chains of the lower sensors act on nothing
-    keep = [i for i in range(len(system.A)) if i < size or (i - size) % read < n]
+    keep = [i for i in moving_states(rig).tolist() if i < size or (i - size) % read < n]
     m = len(keep)
-    A_d, G_d, c_d = _source(shaking)
-    A_c, B_c, G_c = np.zeros((m + 4, m + 4)), np.zeros((m + 4, n)), np.zeros((m + 4, 2))
+    along = _along(rig, shaking)
+    A_d, G_d, c_d = (np.kron(np.eye(along.shape[1]), part) for part in _source(shaking))
+    d = m + len(A_d)
+    A_c, B_c, G_c = np.zeros((d, d)), np.zeros((d, n)), np.zeros((d, G_d.shape[1]))
     A_c[:m, :m] = system.A[np.ix_(keep, keep)]
-    A_c[:m, m:] = np.outer(system.B[keep, along], c_d)
+    A_c[:m, m:] = system.B[keep, inputs.base.start : inputs.payload.stop] @ along @ c_d
     A_c[m:, m:], B_c[:m], G_c[m:] = A_d, system.B[keep, inputs.voltage], G_d
     E, taps, late = hold_taps(A_c, B_c, rig.acquisition)
-    P = solve_continuous_lyapunov(A_c, -G_c @ G_c.T)
     waiting = late + len(taps) - 1
-    total = m + 4 + n * waiting
+    total = d + n * waiting
     A, B, Q = np.zeros((total, total)), np.zeros((total, n)), np.zeros((total, total))
     modes = payload_modes(rig).mode
     C, Z = np.zeros((n, total)), np.zeros((len(modes), total))
-    A[: m + 4, : m + 4], Q[: m + 4, : m + 4] = E, P - E @ P @ E.T
+    A[:d, :d], Q[:d, :d] = E, noise_of_period(A_c, G_c, rig.acquisition.period)
     for i, tap in enumerate(taps):
-        place = m + 4 + n * (late + i - 1)
+        place = d + n * (late + i - 1)
         if late + i == 0:
-            B[: m + 4] = tap
+            B[:d] = tap
         else:
-            A[: m + 4, place : place + n] = tap
+            A[:d, place : place + n] = tap
     if waiting:
-        B[m + 4 : m + 4 + n] = np.eye(n)
-        A[m + 4 + n :, m + 4 : total - n] = np.eye(n * (waiting - 1))
+        B[d : d + n] = np.eye(n)
+        A[d + n :, d : total - n] = np.eye(n * (waiting - 1))
     C[:, :m] = system.C[rows.read_upper][:, keep]
     Z[:, :m] = modes @ system.C[rows.upper][:, keep]
     Q += shaking.voltage_noise**2 * B @ B.T

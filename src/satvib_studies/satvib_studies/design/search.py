@@ -133,7 +133,9 @@ class DesignSearch(SwarmSearch):
         power = self.cost.power.sum(axis=1) * (
             np.abs(self.cost.frequency - self.tone) < 1e-6 * self.tone
         )
-        return lqg_kind(self.rig, self.tone, math.sqrt(float(power.sum())))
+        level = math.sqrt(float(power.sum()))
+        directions = tuple(tuple(map(float, row)) for row in self.cost.sources)
+        return lqg_kind(self.rig, self.tone, level, directions if self.rig.struts.each else ())
 
     def judge(self, position: Array) -> tuple[Array, Array]:
         """Give the figures (plants, 4 + modes) and the largest magnitudes of the poles (plants,) of one candidate.

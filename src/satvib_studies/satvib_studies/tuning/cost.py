@@ -63,6 +63,7 @@ class TuningCost:
         extra: Hz, further frequencies at which margins are looked at.
 
     Attributes:
+        sources: (e, directions) the factors of each source in the directions of base and payload.
         lower, upper: (3 modes,) the box: P of every mode, then I, then D.
         size: how many gains.
 
@@ -84,6 +85,7 @@ class TuningCost:
         self.plants = perturbed(rig, p.plants, p.seed)
         spectrum = spectrum_of(disturbance, rig, p.seed, p.duration, extra)
         self.frequency, self.power = spectrum.frequency, spectrum.power
+        self.sources = spectrum.sources
         half = 0.5 * rig.acquisition.sample_rate
         self.noise = noise_floor(rig) ** 2 * spectrum.width / half
         found = [rig_response(plant, self.frequency) for plant in self.plants]

@@ -60,6 +60,14 @@ def frf(
     level: Annotated[
         float | None, typer.Option('--level', help='Scenario: m/s^2 RMS of the base.')
     ] = None,
+    direction: Annotated[
+        str | None,
+        typer.Option(
+            '--direction',
+            help='Scenario: of the base, as in 1,0,0 (x, y, z) or 0,0,0,1,0,0 (and about them); else up and down.',
+            metavar='X,Y,Z',
+        ),
+    ] = None,
     coil_level: Annotated[
         float | None, typer.Option('--coil-level', help='Scenario: V, peak, of a coil.')
     ] = None,
@@ -144,7 +152,7 @@ def frf(
     if _is_scenario(source):
         moves = {
             'signal': signal, 'low': low, 'high': high, 'duration': duration, 'level': level,
-            'coil_level': coil_level, 'period': period,
+            'coil_level': coil_level, 'period': period, 'direction': _factors(direction),
         }  # fmt: skip
         given = {key: value for key, value in moves.items() if value is not None}
         target, measured = _scenario(console, source, settings, given, how, law, excite, folder)
@@ -167,6 +175,18 @@ def frf(
     for drawn in draw_figures(measured.curves, target / 'figures'):
         console.print(f'figure: {drawn}', soft_wrap=True)
     console.print(f'numbers: {target / "frf.csv"}', soft_wrap=True)
+
+
+def _factors(text: str | None) -> list[float] | None:
+    """Give the factors of a direction as they are typed."""
+    from satvib_common.errors import SatvibError
+
+    if text is None:
+        return None
+    try:
+        return [float(part) for part in text.split(',')]
+    except ValueError:
+        raise SatvibError(f'--direction: {text!r}: numbers with commas are expected') from None
 
 
 def _is_scenario(source: str) -> bool:
