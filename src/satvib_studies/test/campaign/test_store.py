@@ -19,10 +19,8 @@ PARAMETERS = {'rig.payload.mass': {'kind': 'uniform', 'low': 7.0, 'high': 11.0}}
 CAMPAIGN = Campaign(
     name='kept', scenario='quick_3dof', trials=18, chunk=6, parameters=PARAMETERS, seed=3
 )
-# Python keeps half a module's bytecode where the rest of it finds no room, and cannot read it later
 LIMITED = """
 import resource, signal, sys
-sys.dont_write_bytecode = True
 from satvib_bringup.cli.main import main
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)), resource.RLIM_INFINITY))
@@ -47,6 +45,9 @@ def satvib(*words, limit=None):
     code = 'from satvib_bringup.cli.main import main; main()' if limit is None else LIMITED
     limits = [] if limit is None else [str(limit)]
     env = os.environ | {'PYTHONPATH': os.pathsep.join(p for p in sys.path if p)}
+    if limits:
+        # Python keeps half a module's bytecode where the rest finds no room, and cannot read it later
+        env['PYTHONDONTWRITEBYTECODE'] = '1'
     return subprocess.run(
         [sys.executable, '-c', code, *limits, *map(str, words)],
         env=env, capture_output=True, text=True, timeout=120, check=False,
