@@ -17,7 +17,7 @@ def test_a_drawn_change_is_the_same_live(tmp_path, domain):  # noqa: ARG001
     rig = load_rig('soft_3dof')
     change = draw_change(rig, 48, ('reversed_force',))
     scenario = scenario_of('soft_3dof', 'velocity_feedback', change, 48).replace(
-        duration=16.0, composition='single', analysis=AnalysisSettings()
+        duration=12.5, composition='single', analysis=AnalysisSettings()
     )
     outcome = run_experiment(scenario, tmp_path / 'run', composition='single')
     assert outcome.success, outcome.message

@@ -8,7 +8,7 @@ CONTROLLER = ('satvib_control', 'strut_controller')
 IDENTIFIER = ('satvib_ident', 'strut_identifier')
 PLANT = ('satvib_plant_sim', 'plant_sim')
 RATE = 200.0
-END = 1200
+END = 800
 SHAKE = '{kind: sine, frequency: 10.0, amplitude: 1.0}'
 
 

@@ -324,7 +324,7 @@ def test_a_restarted_controller_joins_the_run(start, probe):
     """Truth: the schedule. The plant gets an answer to every sample, from whichever process, and ends by itself."""
     from satvib_msgs.msg import Schedule, VcaVoltage
 
-    end = 1200
+    end = 800
     plant = start(*PLANT, rig='paper_1dof', lockstep_timeout=60.0)
     loop = {'sample_rate': 200.0, 'lockstep': True}
     start(*IDENTIFIER, '/strut_1', **loop)

@@ -13,6 +13,10 @@ from pathlib import Path
 import pytest
 
 LOOPBACK = '0100007F'
+# all phases, in less time
+BRIEF = [
+    'duration=6.0', 'phases.2.start=2.0', 'phases.3.start=3.0', 'disturbance.start=2.0', 'analysis={}',
+]  # fmt: skip
 # a node of somebody else, with the settings that ROS has by itself
 FOREIGNER = """
 import rclpy
@@ -121,7 +125,10 @@ def test_every_process_of_a_run_is_on_the_loopback_interface_alone(
                     yield int(path.parent.name)
 
     outcome = run_experiment(
-        load_scenario('paper_1dof_10hz'), tmp_path / 'run', progress=look, composition='separate'
+        load_scenario('paper_1dof_10hz', BRIEF),
+        tmp_path / 'run',
+        progress=look,
+        composition='separate',
     )
     assert outcome.success, outcome.message
     assert len([pid for pid, addresses in found.items() if addresses]) >= 5
