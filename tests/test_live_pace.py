@@ -93,3 +93,53 @@ def test_a_reader_that_stops_holds_the_writer_and_loses_nothing(reader):
     finally:
         node.destroy_node()
         rclpy.shutdown(context=context)
+
+
+def test_a_reader_that_ends_with_its_first_message_gets_no_second(domain):  # noqa: ARG001
+    """Truth: the first number. A node that listens again in real time would otherwise answer what is long over.
+
+    The executor takes all messages that are there at once. They are there before it looks: another reader has them all.
+    """
+    import rclpy
+    from rclpy.executors import SingleThreadedExecutor
+    from rclpy.experimental import EventsExecutor
+    from satvib_common.ros.delivery.endpoints import Input
+    from satvib_common.ros.qos import offered, wanted
+
+    from satvib_msgs.msg import VcaVoltage
+
+    context = rclpy.Context()
+    rclpy.init(context=context)
+    nodes = [rclpy.create_node(name, context=context) for name in ('first', 'second')]
+    executors = [EventsExecutor(context=context), SingleThreadedExecutor(context=context)]
+    for node, executor in zip(nodes, executors, strict=True):
+        executor.add_node(node)
+    heard: list[int] = []
+    all_of_them: list[int] = []
+
+    def take(message):
+        heard.append(message.sequence)
+        ending.close()
+
+    try:
+        publisher = nodes[1].create_publisher(VcaVoltage, 'voltage', offered())
+        for k in range(100):
+            publisher.publish(VcaVoltage(sequence=k))
+        whole = wanted(whole=True)
+        ending = Input(nodes[0], None, VcaVoltage, 'voltage', take, whole, 0)
+        other = Input(
+            nodes[1], None, VcaVoltage, 'voltage', lambda m: all_of_them.append(m.sequence), whole, 0
+        )
+        limit = time.monotonic() + LIMIT
+        while len(all_of_them) < 100 and time.monotonic() < limit:
+            executors[1].spin_once(timeout_sec=1.0)
+        while not heard and time.monotonic() < limit:
+            executors[0].spin_once(timeout_sec=1.0)
+        assert len(all_of_them) == 100
+        assert heard == [0]
+        other.close()
+    finally:
+        for node, executor in zip(nodes, executors, strict=True):
+            executor.shutdown()
+            node.destroy_node()
+        rclpy.shutdown(context=context)

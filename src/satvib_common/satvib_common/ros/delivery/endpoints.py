@@ -150,9 +150,12 @@ class Input:
         self._node, self._exchange = node, exchange
         self.subscription: Subscription | None = None
         self._reader: Reader | None = None
+        self._open = True
         taken, wire = call, None if raw else wire_of(kind)
         if wire is not None:
             raw, taken = True, self._reading(wire, call)
+        # the executor takes all messages that were there when it looked, also when the first of them ends the reader
+        taken = self._while_open(taken)
 
         def subscribe(take: Callable[[Any], None]) -> Subscription:
             options = _options(node, self.topic_name)
@@ -176,6 +179,13 @@ class Input:
         else:  # the past of the topic comes to new subscriptions only
             self._reader = None
             self.subscription = subscribe(taken)
+
+    def _while_open(self, call: Callable[[Any], None]) -> Callable[[Any], None]:
+        def taken(message: Any) -> None:
+            if self._open:
+                call(message)
+
+        return taken
 
     def _reading(self, wire: Wire, call: Callable[[Any], None]) -> Callable[[bytes], None]:
         """Give what reads the bytes of a message and hands it on; what cannot be read changes nothing."""
@@ -211,7 +221,8 @@ class Input:
         )
 
     def close(self) -> None:
-        """Listen no more."""
+        """Listen no more; what has come and was not taken yet is left out."""
+        self._open = False
         if self.subscription is not None:
             self._node.destroy_subscription(self.subscription)
         elif self._exchange is not None and self._reader is not None:
