@@ -6,7 +6,6 @@ Nothing sleeps: everything waits for an event, with a limit far above what is ex
 """
 
 import contextlib
-import fcntl
 import os
 import random
 import signal
@@ -43,20 +42,10 @@ def own_domain(folder: Path) -> Iterator[None]:
         yield
 
 
-SHARED = Path('/dev/shm')
-
-
 def shared_memory(pid: int) -> set[str]:
-    """Names of the segments of Fast DDS that a process uses; ports belong to all participants and are left out."""
+    """Names of the files of Fast DDS in shared memory that a process uses: none, for a killed one would leave them."""
     lines = Path('/proc', str(pid), 'maps').read_text().splitlines()
-    names = {Path(line.split()[-1]).name for line in lines if f'{SHARED}/fastrtps_' in line}
-    return {name for name in names if 'port' not in name}
-
-
-def left_in_shared_memory(names: set[str]) -> set[str]:
-    """Those that are there still, and that no process holds."""
-    there = names & {path.name for path in SHARED.iterdir()}
-    return {name for name in there if not _is_held(SHARED / f'{name.removesuffix("_el")}_el')}
+    return {Path(line.split()[5]).name for line in lines if '/dev/shm/fastrtps_' in line}
 
 
 def of_folder(folder: Path) -> list[int]:
@@ -67,18 +56,6 @@ def of_folder(folder: Path) -> list[int]:
             if str(folder).encode() in path.read_bytes():
                 found.append(int(path.parent.name))
     return found
-
-
-def _is_held(lock: Path) -> bool:
-    """Whether a process lives that has locked the file."""
-    try:
-        with lock.open('rb') as file:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except FileNotFoundError:
-        pass
-    return False
 
 
 class NodeProcess:
@@ -156,11 +133,8 @@ class Starter:
 
     def close(self) -> None:
         """End them, and show what they said: pytest prints it when the test has failed."""
-        from satvib_common.transport.leftovers import remove_leftovers
-
         for process in self.started:
             process.close()
-        remove_leftovers()
         for process in () if self.quiet else self.started:
             print(f'--- {process.name}: exit code {process.popen.returncode}\n{process.said}')
 

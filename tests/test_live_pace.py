@@ -128,7 +128,13 @@ def test_a_reader_that_ends_with_its_first_message_gets_no_second(domain):  # no
         whole = wanted(whole=True)
         ending = Input(nodes[0], None, VcaVoltage, 'voltage', take, whole, 0)
         other = Input(
-            nodes[1], None, VcaVoltage, 'voltage', lambda m: all_of_them.append(m.sequence), whole, 0
+            nodes[1],
+            None,
+            VcaVoltage,
+            'voltage',
+            lambda m: all_of_them.append(m.sequence),
+            whole,
+            0,
         )
         limit = time.monotonic() + LIMIT
         while len(all_of_them) < 100 and time.monotonic() < limit:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from bags import complaints
 from faults import RATE, Fault, Mangle, Must, Restart, Second, Stall, Stranger
-from processes import left_in_shared_memory, of_folder, shared_memory
+from processes import of_folder, shared_memory
 from satvib_common.phases import Phase, PhasePlan
 from satvib_common.struts.applied import Applied
 from strut import CONTROLLER, HERE, IDENTIFIER, LOOP, PLANT, RECORDER, TIMEOUT, Strut
@@ -45,6 +45,7 @@ class Outcome(NamedTuple):
         peak: V, largest voltage at the coil from the fault on.
         level: the payload while the fault was there, relative to before; 1 where no law acts.
         broken: what did not hold, in words.
+        away: samples by which the machine was behind the clock meanwhile; every limit is longer by them.
     """
 
     zero: int | None
@@ -52,6 +53,7 @@ class Outcome(NamedTuple):
     peak: float
     level: float
     broken: list[str]
+    away: int = 0
 
 
 class Scene:
@@ -65,7 +67,7 @@ class Scene:
         self.start, self.probe = start, probe
         self.orders = probe.publisher(String, '/faults')
         self.said = probe.collect(String, '/faults/said')
-        self.bags, self.segments = [], set()
+        self.bags, self.shared = [], set()
         self.begin('recorder')
         self.stranger = start.script(HERE / 'fault_node.py', 'stranger')
         probe.wait(lambda: self.orders.get_subscription_count() == 2)
@@ -187,7 +189,7 @@ class Scene:
                 return begin, strut.k
             case Restart():
                 process, begin = getattr(strut, act.node), strut.k
-                self.segments |= shared_memory(process.popen.pid)
+                self.shared |= shared_memory(process.popen.pid)
                 process.send(signal.SIGKILL)
                 process.wait()
                 if fault.must is Must.ZERO:
@@ -285,9 +287,10 @@ class Scene:
                 broken.append(f'{len(away)} voltages were not applied, first {what}')
             if level > 10 ** (fault.louder / 20.0):
                 broken.append(f'the payload was {20 * np.log10(level):.1f} dB louder')
-        if back is None or back - end > fault.back:
+        away = self.strut.away(begin - 1, self.strut.k)
+        if back is None or back - end > fault.back + away:
             how = f'calm after {back - end} samples' if back is not None else self.unrest(before)
-            broken.append(f'{how}; {fault.back} are allowed')
+            broken.append(f'{how}; {fault.back} and {away} are allowed')
         if not peak <= GUARD:
             broken.append(f'{peak:g} V at the coil')
         if fault.said and not any(fault.said in p.said for p in self.start.started):
@@ -295,7 +298,7 @@ class Scene:
         ended = [p.name for p in self.processes() if p.popen.poll() is not None]
         if ended:
             broken.append(f'{", ".join(ended)} ended')
-        return Outcome(zero, None if back is None else back - end, peak, level, broken)
+        return Outcome(zero, None if back is None else back - end, peak, level, broken, away)
 
     def zero_of(self, fault, begin, end, broken):
         """Samples from the fault to 0 V, and the end of the fault; a latch is released by `~/reset`."""
@@ -318,11 +321,14 @@ class Scene:
         else:
             silent = Applied.SILENT
             found = [k for k in range(begin, self.strut.k) if self.state.get(k) is silent]
-        if not found or found[0] - begin > limit:
-            broken.append(f'0 V after {found and found[0] - begin} samples, {limit} are allowed')
+        zero = found[0] if found else None
+        away = self.strut.away(begin - 1, begin + limit if zero is None else zero)
+        if zero is None or zero - begin > limit + away:
+            after = 'never' if zero is None else f'after {zero - begin} samples'
+            broken.append(f'0 V {after}; {limit} are allowed, and {away} that the machine was away')
         if any(self.voltage[k] != 0.0 for k in found):
             broken.append('a voltage while it is said to be 0 V')
-        return (found[0] - begin if found else None), end
+        return (None if zero is None else zero - begin), end
 
     def is_latched(self):
         """Whether plant or controller say that 0 V is kept until `~/reset`."""
@@ -367,10 +373,10 @@ class Scene:
         ]
         broken += [text for bag in self.bags for text in complaints(bag)]
         alive = (p.popen.pid for p in self.start.started if p.popen.poll() is None)
-        segments = self.segments.union(*map(shared_memory, alive))
+        shared = self.shared.union(*map(shared_memory, alive))
         self.start.close()
         broken += [f'process {pid} is left' for pid in of_folder(self.start.folder)]
-        if left := left_in_shared_memory(segments):
-            broken.append(f'{len(left)} segments are left in shared memory')
+        if shared:
+            broken.append(f'{len(shared)} files in shared memory were used')
         peak = max((abs(v) for k, v in self.voltage.items() if k >= begin), default=0.0)
         return Outcome(None, None, peak, 1.0, broken)

@@ -5,6 +5,7 @@
 One strut of the rig paper_1dof, 200 samples a second, velocity feedback. All spans are counted in samples.
 """
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +36,19 @@ def shake(plan):
     return f'{{kind: sine, frequency: 10.0, amplitude: 1.0, start: {begin}}}'
 
 
-class OfOneRun(list):
+class Timed(list):
+    """Messages of samples, and when the first one of each sample was heard here, s of the steady clock."""
+
+    def __init__(self):
+        super().__init__()
+        self.heard = {}
+
+    def append(self, message):
+        self.heard.setdefault(message.sequence, time.monotonic())
+        super().append(message)
+
+
+class OfOneRun(Timed):
     """Samples in their order; those of a second plant, which begins with 0 again, are left out."""
 
     def append(self, message):
@@ -85,7 +98,9 @@ class Strut:
             f'{self.above}/strut_1/acceleration',
             into=OfOneRun() if between else None,
         )
-        self.voltages = probe.collect(VcaVoltage, f'{self.above}/strut_1/voltage')
+        self.voltages = probe.collect(
+            VcaVoltage, f'{self.above}/strut_1/voltage', into=Timed() if between else None
+        )
         self.states = probe.collect(ControllerState, '/strut_1/controller_state')
         if not between:
             self.models = probe.collect(IirParameters, '/strut_1/identified_model')
@@ -127,6 +142,22 @@ class Strut:
     @property
     def k(self):
         return self.samples[-1].sequence if self.samples else -1
+
+    def away(self, first, last):
+        """Whole samples by which the machine was behind the clock from one sample to another: the most of them.
+
+        Between the time at which a sample is due and that at which it, or its voltage, is heard here lies what the
+        plant, the strut and this test are late together. A sample is due as the most punctual one of all says.
+        """
+        heard = self.samples.heard
+        zero = min(t - k / RATE for k, t in heard.items())
+        late = [
+            t - zero - k / RATE
+            for times in (heard, self.voltages.heard)
+            for k, t in times.items()
+            if first <= k <= last
+        ]
+        return int(max(late, default=0.0) * RATE)
 
     def until(self, k):
         self.probe.wait(lambda: self.k >= k)

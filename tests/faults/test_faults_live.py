@@ -11,22 +11,22 @@ EARLY = (Phase.STANDBY, Phase.CALIBRATE, Phase.IDENTIFY)
 
 
 def check(scene, faults):
-    """Play faults; one that did not hold is played once more, for a busy machine may be away for a moment."""
+    """Play faults on a scene, and end it."""
     broken = {}
     for i, fault in enumerate(faults):
-        for attempt in range(2):
-            outcome = scene.play(fault, 100 * attempt + i)
-            print(fault.name, outcome, flush=True)
-            if not outcome.broken:
-                break
+        outcome = scene.play(fault, i)
+        print(fault.name, outcome, flush=True)
         broken[fault.name] = outcome.broken
     broken['the end'] = scene.end().broken
     assert {name: what for name, what in broken.items() if what} == {}
 
 
-@pytest.mark.long
-def test_some_faults_of_each_kind(start, probe):
-    """Truth: the list, which says what must become of the voltage and within which time, counted in samples."""
+def test_some_faults(start, probe):
+    """Truth: the list, which says what must become of the voltage and within which time, counted in samples.
+
+    A busy machine is away now and then. So many samples more are allowed as the samples and the voltages of the same
+    moment were heard too late.
+    """
     check(Scene(start, probe), [fault for fault in GOES_ON if fault.name in QUICK])
 
 

@@ -6,8 +6,8 @@ from soaking import Growth, Soak
 
 KINDS = {True: 'realtime', False: 'lockstep'}
 _HEAD = (
-    '| process | RSS | RSS an hour | PSS | PSS an hour | own an hour | 95 % | descriptors | shared memory |\n'
-    '|---|---:|---:|---:|---:|---:|---:|---:|---:|'
+    '| process | RSS | RSS an hour | PSS | PSS an hour | own an hour | 95 % | descriptors |\n'
+    '|---|---:|---:|---:|---:|---:|---:|---:|'
 )
 
 
@@ -22,7 +22,7 @@ def _row(name: str, growth: Growth) -> str:
     cells = [
         name, f'{last.resident:.1f} MB', f'{growth.resident[0]:+.2f} MB', f'{last.share:.1f} MB',
         f'{growth.share[0]:+.2f} MB', f'{middle:+.2f} MB', f'{low:+.2f} to {high:+.2f}',
-        f'{first.descriptors}, {last.descriptors}', f'{first.segments}, {last.segments}',
+        f'{first.descriptors}, {last.descriptors}',
     ]  # fmt: skip
     return f'| {" | ".join(cells)} |'
 
@@ -48,7 +48,7 @@ def text_of(found: Soak, minutes: float, scenario: str, composition: str) -> str
         ]
     lines += [
         f'- Speed: {first:.0f} samples a second in the first tenth, {last:.0f} in the last.',
-        f'- Files left in shared memory: {found.left}.',
+        f'- Files in shared memory: {max(g.last.shared for g in found.processes.values())}.',
         '',
         _HEAD,
     ]

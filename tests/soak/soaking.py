@@ -9,7 +9,6 @@ third of a run: the median of the slopes between all pairs of readings (Theil an
 """
 
 import json
-import re
 import subprocess
 import sys
 import time
@@ -22,7 +21,7 @@ from scipy.stats import theilslopes
 _HOUR = 3600.0  # s
 _MEGABYTE = 2.0**20
 _FROM = 1.0 / 3.0  # of the run
-_SEGMENT = re.compile(r'/dev/shm/(fastrtps_\S+)')
+_POLL = 0.02  # s, how often the progress is looked at
 
 
 class Reading(NamedTuple):
@@ -34,7 +33,7 @@ class Reading(NamedTuple):
         share: MB, of which what is shared counts in parts (PSS).
         private: MB, without what is shared (USS).
         descriptors: open ones.
-        segments: files of shared memory in use.
+        shared: files of Fast DDS in shared memory that it uses: none.
     """
 
     time: float
@@ -42,7 +41,7 @@ class Reading(NamedTuple):
     share: float
     private: float
     descriptors: int
-    segments: int
+    shared: int
 
 
 class Growth(NamedTuple):
@@ -74,7 +73,6 @@ class Soak(NamedTuple):
         speed: samples a second in the first tenth of the run and in the last one.
         latency: ms, in real time: 50th and 99th percentile of the first tenth and of the last one; None: lockstep.
         late: voltages that came after the next sample was due, those that never came, and late samples; None: lockstep.
-        left: files of shared memory that are there after the run, and were not before it.
     """
 
     processes: dict[str, Growth]
@@ -82,7 +80,6 @@ class Soak(NamedTuple):
     speed: tuple[float, float]
     latency: tuple[float, float, float, float] | None
     late: tuple[int, int, int] | None
-    left: int
 
 
 def reading_of(pid: int, now: float) -> Reading:
@@ -91,16 +88,17 @@ def reading_of(pid: int, now: float) -> Reading:
     Raises:
         OSError: the process has ended.
     """
+    from processes import shared_memory
+
     place = Path('/proc', str(pid))
     found = dict.fromkeys(('Rss', 'Pss', 'Private_Clean', 'Private_Dirty'), 0.0)
     for line in (place / 'smaps_rollup').read_text().splitlines()[1:]:
         name, _, rest = line.partition(':')
         if name in found:
             found[name] = float(rest.split()[0]) / 1024.0
-    segments = set(_SEGMENT.findall((place / 'maps').read_text()))
     return Reading(
         now, found['Rss'], found['Pss'], found['Private_Clean'] + found['Private_Dirty'],
-        len(list((place / 'fd').iterdir())), len(segments),
+        len(list((place / 'fd').iterdir())), len(shared_memory(pid)),
     )  # fmt: skip
 
 
@@ -127,18 +125,13 @@ def growth_of(readings: list[Reading], begin: float, end: float) -> Growth | Non
     return Growth(first, last, slope('resident'), slope('share'), slope('private'))
 
 
-def segments_there() -> set[str]:
-    """Files of Fast DDS in shared memory."""
-    return {path.name for path in Path('/dev/shm').glob('fastrtps_*')}
-
-
 def soak(
     scenario: str,
     settings: list[str],
     folder: Path,
     realtime: bool,
     composition: str = 'separate',
-    every: float = 1.0,
+    every: int = 200,
 ) -> Soak:
     """Run a scenario and watch its processes.
 
@@ -148,7 +141,7 @@ def soak(
         folder: for the run; it must not exist.
         realtime: samples follow the clock; otherwise lockstep.
         composition: which nodes share a process.
-        every: s between two readings.
+        every: samples between two readings, so that a fast machine gives as many as a slow one.
 
     Raises:
         RuntimeError: the run failed, with its last words.
@@ -161,15 +154,16 @@ def soak(
         'folder': str(folder / 'run'), 'arrivals': str(folder / 'arrivals.npz'),
         'progress': str(folder / 'progress.txt'), 'result': str(folder / 'result.json'),
     }  # fmt: skip
-    before = segments_there()
     found: dict[str, list[Reading]] = {}
     with (folder / 'log').open('wb') as log:
         running = subprocess.Popen(
             [sys.executable, __file__, json.dumps(plan)], stdout=log, stderr=subprocess.STDOUT
         )
         try:
+            due = 0
             while running.poll() is None:
-                if Path(plan['progress']).exists():
+                if (there := _progress(Path(plan['progress']))) >= due:
+                    due = there + every
                     for name, pid in children_of(running.pid, folder / 'run').items():
                         try:
                             reading = reading_of(pid, time.monotonic())
@@ -178,7 +172,7 @@ def soak(
                         found.setdefault(name, []).append(reading)
                 # the only way to wait for it and for a time
                 try:
-                    running.wait(every)
+                    running.wait(_POLL)
                 except subprocess.TimeoutExpired:
                     continue
         finally:
@@ -191,8 +185,19 @@ def soak(
     latency, late = _latency(Path(plan['arrivals']), outcome) if realtime else (None, None)
     return Soak(
         {name: growth for name, growth in grown.items() if growth is not None},
-        outcome, _speed(Path(plan['progress'])), latency, late, len(segments_there() - before),
+        outcome, _speed(Path(plan['progress'])), latency, late,
     )  # fmt: skip
+
+
+def _progress(path: Path) -> int:
+    """The newest sample, -1: none yet."""
+    try:
+        with path.open('rb') as source:
+            source.seek(max(source.seek(0, 2) - 100, 0))
+            # the last line may not be whole yet
+            return int(source.read().split(b'\n')[-2].split()[1])
+    except (OSError, IndexError):
+        return -1
 
 
 def _speed(progress: Path) -> tuple[float, float]:

@@ -19,7 +19,7 @@ def work(name):
     known.set()
     over.wait()
 
-for name in ('dds.shm.7411', 'writer'):
+for name in ('dds.udp.7411', 'writer'):
     known.clear()
     threading.Thread(target=work, args=(name,), daemon=True).start()
     known.wait()

@@ -19,7 +19,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from satvib_common.errors import SatvibError
-from satvib_common.transport.leftovers import remove_leftovers
 from satvib_common.transport.reach import set_transport
 from satvib_experiment.recording.run_folder import make_run_folder
 from satvib_experiment.scenario.scenario import Scenario
@@ -87,9 +86,7 @@ def run_experiment(
         make_run_folder(folder)
         run = _Run(graph, folder, bag, interrupted)
         with Supervisor(folder / 'logs', graph_environment(), take_signals=True) as supervisor:
-            outcome = run.go(supervisor, observer, commands, progress)
-        remove_leftovers()
-        return outcome
+            return run.go(supervisor, observer, commands, progress)
 
 
 def _in_this_process(

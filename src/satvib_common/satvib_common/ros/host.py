@@ -120,7 +120,7 @@ class Host:
         self._acknowledge()
 
     def close(self) -> None:
-        """Leave nothing behind: the nodes vanish from the graph, and so do their files in shared memory.
+        """Leave nothing behind: the nodes vanish from the graph.
 
         The executor and the state machine of a lifecycle node keep the participant of DDS alive; without this, an ended
         node stays in the graph until its lease is over, some twenty seconds.

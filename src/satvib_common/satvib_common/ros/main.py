@@ -30,7 +30,6 @@ from satvib_common.ros.delivery.exchange import Exchange
 from satvib_common.ros.host import Host, close_nodes
 from satvib_common.ros.node import DRAIN, SatvibNode
 from satvib_common.ros.place import placed
-from satvib_common.transport.leftovers import remove_leftovers
 from satvib_common.transport.reach import set_transport, warning
 
 # s, how long anything may take after the signal before the process ends regardless
@@ -123,7 +122,6 @@ def run_nodes(makes: Sequence[Make], args: Sequence[str] | None = None) -> NoRet
 def _until_the_end(makes: Sequence[Make], args: Sequence[str] | None) -> int:
     signals = _Signals()
     reach = set_transport()
-    remove_leftovers()
     exchange = Exchange() if len(makes) > 1 else None
     nodes: list[SatvibNode[Any]] = []
     host: Host | None = None
