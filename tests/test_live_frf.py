@@ -6,9 +6,9 @@ import numpy as np
 from satvib_experiment.recording.recording import differences
 
 SHORT = (
-    'duration=33.0', 'controller.excitation_options=[turn=5, low=2, high=80, period=1, interleave=false]',
-    'phases.2.start=16.0', 'phases.3.start=24.0', 'disturbance.start=16.0', 'disturbance.period=1.0',
-    'disturbance.low=2.0', 'analysis.uncontrolled=[18.0, 24.0]', 'analysis.controlled=[27.0, 33.0]',
+    'duration=27.0', 'controller.excitation_options=[turn=5, low=2, high=80, period=1, interleave=false]',
+    'phases.2.start=16.0', 'phases.3.start=21.0', 'disturbance.start=16.0', 'disturbance.period=1.0',
+    'disturbance.low=2.0', 'analysis.uncontrolled=[18.0, 21.0]', 'analysis.controlled=[23.0, 27.0]',
 )  # fmt: skip
 
 

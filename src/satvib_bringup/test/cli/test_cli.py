@@ -90,7 +90,8 @@ def test_simulate_then_report(satvib, tmp_path, monkeypatch):
     assert 'simulate quick_3dof: CONTROL' in out
     result = json.loads((first / 'result.json').read_text())
     assert result['seed'] == 3
-    monkeypatch.setattr(drawing, 'MOST', 0)  # these are drawn by this process
+    monkeypatch.setattr(drawing, 'FIGURES', ())  # they were drawn above, and are no result
+    monkeypatch.setattr(drawing, 'MOST', 0)
     code, _, err = satvib('report', first, '--output', tmp_path / 'again')
     assert code == 0, err
     again = json.loads((tmp_path / 'again' / 'result.json').read_text())

@@ -11,6 +11,7 @@ import pytest
 QUICK = ('--duration', '6', '--period', '2', '--low', '2')
 
 
+@pytest.mark.usefixtures('no_figures')  # of reports
 def test_a_scenario_and_its_own_experiments(satvib, tmp_path):
     """Truth: the curves that a rig of three struts has, and the same numbers from the experiment run by `simulate`."""
     code, out, err = satvib('frf', 'soft_3dof', *QUICK, '--folder', 'one')
