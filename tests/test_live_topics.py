@@ -57,7 +57,7 @@ def test_list_rate_and_echo(graph):  # noqa: ARG001
     assert re.search(
         r'/strut_1/voltage +│ satvib_msgs/VcaVoltage +│ /strut_1/strut_contr\w* ', said
     ), said
-    code, said, _ = satvib('topics', 'rate', '/strut_1/acceleration', '--seconds', '3')
+    code, said, _ = satvib('topics', 'rate', '/strut_1/acceleration', '--seconds', '2')
     assert code == 0
     (found,) = re.findall(r'/strut_1/acceleration +│ +(\d+) +│ +([\d.]+) ', said)
     assert float(found[1]) == pytest.approx(100.0, rel=0.2)
