@@ -16,7 +16,7 @@ from rich.text import Text
 from satvib_common.errors import printable
 from satvib_common.phases import Phase
 
-# a log line at least this often in simulated seconds where there is no terminal
+# s of wall time; a fast run has few lines then, and its table is not buried
 _LOG_EVERY = 5.0
 # exit code of a run that has a report, and is no result
 NO_RESULT = 3
@@ -51,10 +51,11 @@ class ProgressView:
         console: where to.
         end: s, length of the run.
         title: what runs.
+        every: s of wall time between two lines where there is no terminal; beside those that begin a phase.
     """
 
-    def __init__(self, console: Console, end: float, title: str) -> None:
-        self._console, self._end, self._title = console, end, title
+    def __init__(self, console: Console, end: float, title: str, every: float = _LOG_EVERY) -> None:
+        self._console, self._end, self._title, self._every = console, end, title, every
         self._live = console.is_terminal
         self._progress = Progress(
             TextColumn('{task.description}', style='bold', markup=False),
@@ -90,9 +91,9 @@ class ProgressView:
             status += '   ' + ' / '.join(decibels(a) for a in values) + ' dB'
         if self._live:
             self._progress.update(self._task, completed=now, status=status)
-        elif phase is not self._phase or now >= self._logged + _LOG_EVERY:
+        elif phase is not self._phase or self.elapsed >= self._logged + self._every:
             self._console.print(f'{self._title}: {status}')
-            self._logged = now
+            self._logged = self.elapsed
         self._phase = phase
 
     @property

@@ -8,6 +8,11 @@ from rich.console import Console
 from rich.table import Table
 
 _DASH = '–'
+_COHERENCE = 'coherence:\nmedian, least at Hz'
+_EXACT = 'from exact\ndB, deg'
+_COLUMNS = {
+    'peak': 'peak', 'isolation_from': 'isolation', 'roll_off': 'roll-off', 'deviation': 'from exact',
+}  # fmt: skip
 
 
 def show_frf(console: Console, mapping: dict[str, Any]) -> None:
@@ -21,6 +26,8 @@ def show_frf(console: Console, mapping: dict[str, Any]) -> None:
         console.print(_paths(paths))
     if mapping['coupling']:
         console.print(_coupling(mapping['coupling'], [c['input'] for c in paths]))
+    for reason in _reasons([*transmitted, *(c for c in paths if _is_shown(c, paths))]):
+        console.print(f'• {reason}')
     for method in dict.fromkeys(c['method'] for c in curves):
         console.print(f'• {method}')
     for note in mapping['notes']:
@@ -32,22 +39,22 @@ def _transmissibility(curves: list[dict[str, Any]], source: str) -> Table:
     table.add_column('loop')
     table.add_column('output')
     for heading in (
-        'peak\ndB', 'at\nHz', 'isolation\nfrom Hz', 'roll-off\ndB/decade', 'coherence\nmedian',
-        'from exact\ndB', 'from exact\ndeg',
+        'peak\ndB', 'at\nHz', 'isolation\nfrom Hz', 'roll-off\ndB/decade', _COHERENCE, _EXACT,
     ):  # fmt: skip
         table.add_column(heading, justify='right')
-    for curve in curves:
+    for curve, loop in zip(curves, _loops(curves), strict=True):
         merit = curve['merit'] or {}
+        if loop and loop[0] != '+':
+            table.add_section()
         table.add_row(
-            curve['loop'].replace('_', ' '),
+            loop,
             _output(curve),
             _number(merit.get('peak'), 1, signed=True),
             _number(merit.get('peak_frequency'), 2),
             _number(merit.get('isolation_from'), 2),
             _number(merit.get('roll_off'), 1),
-            _number(curve['coherence'], 4),
-            _number(curve['deviation_db'], 2),
-            _number(curve['deviation_degrees'], 1),
+            _coherence(curve),
+            _deviation(curve),
         )
     return table
 
@@ -58,21 +65,68 @@ def _output(curve: dict[str, Any]) -> str:
     return f'{output} / {base}' if base.startswith('base ') else output
 
 
+def _loops(curves: list[dict[str, Any]]) -> list[str]:
+    """What stands in the column of the loop: its name beside its first rows, a law of several in as many."""
+    cells: list[str] = []
+    for loop in dict.fromkeys(curve['loop'] for curve in curves):
+        rows = sum(curve['loop'] == loop for curve in curves)
+        parts = loop.replace('_', ' ').replace('+', '\n+').split('\n')
+        parts = parts if len(parts) <= rows else [''.join(parts)]
+        cells += [*parts, *[''] * (rows - len(parts))]
+    return cells
+
+
 def _paths(curves: list[dict[str, Any]]) -> Table:
     table = Table(title='voltage to acceleration, each coil and its own strut')
     table.add_column('strut')
-    for heading in ('band\nHz', 'coherence\nmedian', 'from exact\ndB', 'from exact\ndeg'):
+    for heading in ('band\nHz', _COHERENCE, _EXACT):
         table.add_column(heading, justify='right')
     for curve in curves:
-        if curve['output'] == curve['input'] or len(curves) == 1:
+        if _is_shown(curve, curves):
             table.add_row(
                 curve['output'].replace('_', ' '),
                 f'{curve["lowest"]:.3g} to {curve["highest"]:.3g}',
-                _number(curve['coherence'], 4),
-                _number(curve['deviation_db'], 2),
-                _number(curve['deviation_degrees'], 1),
+                _coherence(curve),
+                _deviation(curve),
             )
     return table
+
+
+def _coherence(curve: dict[str, Any]) -> str:
+    """The median of the coherence, and its least value with the frequency."""
+    if curve['coherence'] is None:
+        return _DASH
+    least, at = curve['coherence_least'], curve['coherence_least_frequency']
+    return f'{curve["coherence"]:.4f}, {least:.4f} at {at:.3g}'
+
+
+def _deviation(curve: dict[str, Any]) -> str:
+    if curve['deviation_db'] is None:
+        return _DASH
+    return f'{curve["deviation_db"]:.2f}, {curve["deviation_degrees"]:.1f}'
+
+
+def _reasons(curves: list[dict[str, Any]]) -> list[str]:
+    """Say why there is a dash, each reason once, with the loops or the outputs that it is about."""
+    found: dict[str, tuple[dict[str, None], list[dict[str, Any]]]] = {}
+    for curve in curves:
+        for key, reason in curve['unknown'].items():
+            columns, of = found.setdefault(reason, ({}, []))
+            columns[_COLUMNS[key]] = None
+            of.append(curve)
+    lines = []
+    for reason, (columns, of) in found.items():
+        loops = {c['loop'] for c in of}
+        whole = all(c in of for c in curves if c['loop'] in loops)
+        key = 'loop' if whole and len({c['loop'] for c in curves}) > 1 else 'output'
+        names = dict.fromkeys(c[key].replace('_', ' ') for c in of)
+        lines.append(f'{_DASH} ({", ".join(columns)}; {", ".join(names)}): {reason}')
+    return lines
+
+
+def _is_shown(curve: dict[str, Any], paths: list[dict[str, Any]]) -> bool:
+    """Whether a path has a line: that of a coil to its own strut, or the only one."""
+    return curve['output'] == curve['input'] or len(paths) == 1
 
 
 def _coupling(coupling: dict[str, Any], inputs: list[str]) -> Table:

@@ -30,6 +30,24 @@ def test_a_scenario_and_its_own_experiments(satvib, tmp_path, monkeypatch):
     rows = list(csv.DictReader((tmp_path / 'one/frf.csv').open()))
     assert len(rows) == sum(c['lines'] for c in found['curves'])
     assert {float(r['magnitude']) > 0.0 for r in rows} == {True}
+    for curve in found['curves']:
+        own = [
+            (float(r['coherence']), float(r['frequency'])) for r in rows
+            if all(r[key] == curve[key] for key in ('quantity', 'loop', 'output', 'input'))
+        ]  # fmt: skip
+        least, at = min(own)
+        assert curve['coherence_least'] == pytest.approx(least, rel=1e-6)
+        assert curve['coherence_least_frequency'] == pytest.approx(at)
+    # a line for each phase of the two experiments, then the tables
+    assert out[: out.index('transmissibility')].count('\n') < 12
+    assert (
+        '– (isolation, roll-off; tilt x, tilt y): the base does not move in that way alone' in out
+    )
+    code, _, err = satvib('frf', 'one')
+    assert (code, err.count('\n')) == (2, 1)
+    assert (
+        'holds frequency responses (frf.json), no recording; ./satvib simulate one/base.yaml' in err
+    )
     code, _, err = satvib('simulate', 'one/base.yaml', '--folder', 'run')
     assert code == 0, err
     monkeypatch.setattr(figures, 'draw_figures', lambda *_: ())  # the numbers count
@@ -55,6 +73,8 @@ def test_a_file_of_columns(satvib, tmp_path):
     assert found['merit']['peak'] == pytest.approx(20 * np.log10(0.5), abs=1.0)
     assert found['lowest'] >= 5.0
     assert 'payload' in out
+    assert set(found['unknown']) == {'deviation'}
+    assert '– (from exact; payload): the rig is not known' in out
 
 
 @pytest.mark.parametrize(
@@ -69,13 +89,26 @@ def test_a_file_of_columns(satvib, tmp_path):
         (('soft_3dof', '--signal', 'stepped'), 'a coil is driven by'),
         (('soft_3dof', '--duration', '2'), 'fewer than three periods'),
         (('soft_3dof', '--resolution', '1', '--averages', '4'), 'give one of them'),
+        (('soft_3dof', '--resolution', '1', '--averages', '4'), '--resolution, --averages: each'),
+        (('soft_3dof', '--low', '50', '--high', '20'), '--high: 20 Hz is not above --low, 50 Hz'),
+        (('log.csv', '--low', '50', '--high', '20'), '--high: 20 Hz is not above --low, 50 Hz'),
+        (('soft_3dof', '--coil-level', '-1'), '--coil-level: -1.0 is not above 0.0 V'),
         (('soft_3dof', '--period', '-1'), '--period: -1.0 is not above 0 s'),
         (('soft_3dof', '--high', '150', '--duration', '30'), 'half the sample rate, 100 Hz'),
-        (('nowhere',), 'nowhere'),
+        (('nowhere',), "'nowhere': no such file, folder or scenario; known: clean_1dof_10hz"),
+        (('soft_3dofs',), 'did you mean soft_3dof?'),
+        (('no/where',), 'no/where: no such file or folder'),
+        (('nowhere.csv',), 'nowhere.csv'),
+        (('page.csv', '--input', 'a', '--output', 'b'), 'page.csv: is a PDF document'),
+        (('page.csv',), 'page.csv: is a PDF document'),
+        (('report',), 'report: holds a report, no recording'),
     ],
 )
-def test_what_is_wrong_is_one_line(satvib, arguments, said):
+def test_what_is_wrong_is_one_line(satvib, tmp_path, arguments, said):
     """Truth: the sentence, exit code 2."""
+    (tmp_path / 'page.csv').write_bytes(b'%PDF-1.7\na,b\n1,2\n')
+    (tmp_path / 'report').mkdir()
+    (tmp_path / 'report/result.json').write_text('{}')
     code, _, err = satvib('frf', *arguments)
     assert code == 2
     assert err.count('\n') == 1

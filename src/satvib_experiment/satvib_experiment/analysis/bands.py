@@ -2,8 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Power by frequency of a stretch of a run: third octaves of velocity against the criteria, cumulative RMS.
 
-A stretch is short, and a third octave at 1 Hz is 0.23 Hz wide. So the lines are those of the whole stretch, with one
-Hann window; their sum is the mean square. A band that is narrower than a line is left out.
+A stretch is short, and a third octave at 1 Hz is 0.23 Hz wide. So the lines are those of the whole stretch. The window
+is Tukey's: 1, with Hann's flanks at either end, each a twentieth of the stretch and half a second at least. So a
+vibration that grows or decays counts as it is, wherever in the stretch it is loud, and a tone stays within 2 Hz. The
+lines are scaled so that their sum is the mean square of the stretch, that of the attenuation table. A band that is
+narrower than a line is left out.
 
 Criteria for vibration, RMS velocity in a third octave: the lines of ISO 2631-2 as C. G. Gordon used them (workshop to
 operating theatre) and his VC curves (Proceedings of SPIE 1619, 1991; IEST-RP-CC012). The ISO lines, VC-A and VC-B are a
@@ -38,6 +41,8 @@ CRITERIA = (
     Criterion('VC-E', 3.12e-6, 1.0, 1.0),
 )
 HIGHEST = 80.0  # Hz, of all criteria
+_FLANK = 0.05  # of the stretch, at either end
+_SHORTEST_FLANK = 0.5  # s
 
 
 def power_lines(signal: Array, dt: float) -> tuple[Array, Array]:
@@ -48,19 +53,29 @@ def power_lines(signal: Array, dt: float) -> tuple[Array, Array]:
         dt: s.
 
     Returns:
-        Frequencies (f,) in Hz without 0, and the mean square (f, ...) of each line; the lines add up to the whole.
+        Frequencies (f,) in Hz without 0, and the mean square (f, ...) of each line; they add up to that of the signal.
     """
     known = np.isfinite(signal)
     with np.errstate(invalid='ignore', divide='ignore'):
         mean = np.where(known, signal, 0.0).sum(axis=0) / known.sum(axis=0)
     around = np.where(known, signal - mean, 0.0)
     count = len(signal)
-    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
-    lines = np.fft.rfft(around * window.reshape(-1, *([1] * (signal.ndim - 1))), axis=0)
-    power = np.abs(lines) ** 2 * (2.0 / (count * np.sum(window * window)))
-    if count % 2 == 0:
+    rest = signal.ndim - 1
+    lines = np.fft.rfft(around * _window(count, dt).reshape(-1, *([1] * rest)), axis=0)
+    power = np.abs(lines[1:]) ** 2
+    if count % 2 == 0:  # the other lines stand for two
         power[-1] *= 0.5
-    return np.asarray(np.fft.rfftfreq(count, dt)[1:], dtype=float), power[1:]
+    found = power.sum(axis=0)
+    whole = np.where(found > 0.0, np.mean(around * around, axis=0), 0.0)
+    power *= whole / np.where(found > 0.0, found, 1.0)
+    return np.asarray(np.fft.rfftfreq(count, dt)[1:], dtype=float), power
+
+
+def _window(count: int, dt: float) -> Array:
+    """Give Tukey's window (count,): 1, and Hann's flanks at either end; of a very short stretch Hann's whole window."""
+    flank = min(max(_FLANK * count, _SHORTEST_FLANK / dt), 0.5 * count)
+    k = np.arange(count)
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(np.minimum(k, count - k) / flank, 1.0)))
 
 
 def cumulative_rms(power: Array) -> Array:

@@ -12,6 +12,8 @@ from satvib_ident.frequency.response import FrequencyResponse
 TRANSMISSIBILITY = 'transmissibility'  # m/s^2 per m/s^2
 PATH = 'path'  # m/s^2 per V
 OPEN = 'open'
+BASE = 'base'  # which heaves; 'base_x' and so on where it moves otherwise
+HEAVE = 'heave'
 SURE = 0.99  # coherence from which a deviation counts
 
 
@@ -26,6 +28,7 @@ class Curve:
         measured: (f,) what was measured.
         exact: (f,) what the rig has, None where it is not known.
         model: (f,) what the identified model has, None without one.
+        is_motion: the output is a motion of the payload, not that of a strut.
     """
 
     quantity: str
@@ -35,6 +38,13 @@ class Curve:
     measured: FrequencyResponse
     exact: Complex | None = None
     model: Complex | None = None
+    is_motion: bool = False
+
+    @property
+    def is_cross(self) -> bool:
+        """Whether the output is a motion that the base has not, such as a tilt of a payload whose base heaves."""
+        own = {BASE, f'{BASE}_{HEAVE}'} if self.output == HEAVE else {f'{BASE}_{self.output}'}
+        return self.is_motion and self.input not in own
 
     def deviation(self) -> tuple[float, float] | None:
         """Give the largest deviation from the exact response in dB and degrees, where the coherence is above 0.99.

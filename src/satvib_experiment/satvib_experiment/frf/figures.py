@@ -11,22 +11,45 @@ from satvib_common.levels import decibel
 from satvib_common.struts.names import strut_label
 
 from satvib_experiment.frf.curve import OPEN as OPEN_LOOP
-from satvib_experiment.frf.curve import PATH, TRANSMISSIBILITY, Curve
-from satvib_experiment.frf.modes import MOTION_NAMES
-from satvib_experiment.report.style import FAINT, INK, MEASURED, MODEL, OPEN, STRUTS, figure, legend
+from satvib_experiment.frf.curve import PATH, SURE, TRANSMISSIBILITY, Curve
+from satvib_experiment.frf.merit import TRUSTED
+from satvib_experiment.report.style import (
+    FAINT,
+    INK,
+    MEASURED,
+    MODEL,
+    OPEN,
+    STRUTS,
+    figure,
+    legend,
+    plain_ticks,
+)
 
 MOST_COLUMNS = 3
+# a line that lies on another one is thinner than that
+_WIDE: dict[str, Any] = {'lw': 3.0, 'alpha': 0.55, 'solid_capstyle': 'butt'}
+_MODEL: dict[str, Any] = {'color': MODEL, 'lw': 1.4, 'label': 'identified model'}
+_EXACT: dict[str, Any] = {
+    'color': INK, 'lw': 0.9, 'dashes': (5.0, 3.0), 'label': 'exact response of the rig', 'zorder': 3,
+}  # fmt: skip
+_MOST = 1.0 - 1e-5  # coherence at the upper end of its axis
+_DEEPEST = 100.0  # dB below the largest level
 
 
-def draw_figures(curves: Sequence[Curve], folder: Path) -> list[Path]:
+def draw_figures(curves: Sequence[Curve], folder: Path, title: str = '') -> list[Path]:
     """Draw what there is: transmissibility.png, motions.png, paths.png, coupling.png.
+
+    Args:
+        curves: that were measured.
+        folder: where to.
+        title: stands above each figure.
 
     Raises:
         OSError: a file cannot be written.
     """
     moved = [c for c in curves if c.quantity == TRANSMISSIBILITY]
-    struts = [c for c in moved if c.output not in MOTION_NAMES]
-    motions = [c for c in moved if c.output in MOTION_NAMES]
+    struts = [c for c in moved if not c.is_motion]
+    motions = [c for c in moved if c.is_motion]
     paths = [c for c in curves if c.quantity == PATH]
     drawn = []
     for name, chosen, unit in (
@@ -36,10 +59,10 @@ def draw_figures(curves: Sequence[Curve], folder: Path) -> list[Path]:
     ):
         if chosen:
             drawn.append(folder / f'{name}.png')
-            _three_rows(chosen, drawn[-1], unit)
+            _three_rows(chosen, drawn[-1], unit, title)
     if len(paths) > 1:
         drawn.append(folder / 'coupling.png')
-        _matrix(paths, drawn[-1])
+        _matrix(paths, drawn[-1], title)
     return drawn
 
 
@@ -50,8 +73,8 @@ def _colors(curves: Sequence[Curve]) -> dict[str, str]:
     return {OPEN_LOOP: OPEN, **{law: ordered[i % 6] for i, law in enumerate(laws)}}
 
 
-def _three_rows(curves: Sequence[Curve], path: Path, unit: str) -> None:
-    """Draw a column of magnitude, phase and coherence for each output."""
+def _three_rows(curves: Sequence[Curve], path: Path, unit: str, title: str) -> None:
+    """Draw a column of magnitude, phase and coherence for each output; all columns have the same axes."""
     outputs = list(dict.fromkeys(c.output for c in curves))
     columns = min(len(outputs), MOST_COLUMNS)
     bands = -(-len(outputs) // columns)
@@ -60,59 +83,79 @@ def _three_rows(curves: Sequence[Curve], path: Path, unit: str) -> None:
         colors[OPEN_LOOP] = STRUTS[0]
     with figure(
         path, 3 * bands, columns, size=(3.9 * columns + 1.0, 6.4 * bands), sharex=True,
-        height_ratios=(3, 2, 1) * bands,
+        sharey='row', height_ratios=(3, 2, 1) * bands, title=title,
     ) as (drawn, axes):  # fmt: skip
+        for row in range(3 * bands):
+            for column in range(columns):
+                if row // 3 * columns + column >= len(outputs):
+                    axes[row, column].set_visible(False)
         for place, output in enumerate(outputs):
             band, column = divmod(place, columns)
             above, middle, below = axes[3 * band : 3 * band + 3, column]
             for curve in (c for c in curves if c.output == output):
                 _draw(curve, colors[curve.loop], above, middle, below)
             above.set_title(_label(output))
-            above.set_ylim(*_limits([c for c in curves if c.output == output]))
+            above.set_ylim(*_limits(curves))
             middle.set_ylim(-190.0, 190.0)
             middle.set_yticks((-180, -90, 0, 90, 180))
-            below.set_ylim(0.0, 1.05)
+            _coherence_axis(below)
+            below.tick_params(labelbottom=True)
             below.set_xlabel('frequency [Hz]')
             if column == 0:
                 above.set_ylabel(unit)
                 middle.set_ylabel('phase [°]')
                 below.set_ylabel('coherence')
-        for row in range(3 * bands):
-            for column in range(columns):
-                if row // 3 * columns + column >= len(outputs):
-                    axes[row, column].set_visible(False)
         axes[0, 0].set_xscale('log')
         axes[0, 0].set_xlim(
             min(c.measured.frequency[0] for c in curves),
             max(c.measured.frequency[-1] for c in curves),
         )
-        _plain_ticks(axes.ravel())
+        plain_ticks(axes.ravel())
         legend(drawn, axes.ravel())
 
 
+def _coherence_axis(ax: Any) -> None:
+    """An axis by the share that the input does not explain: 0.9, 0.99, 0.999 at even distances."""
+    ax.set_yscale('function', functions=(_nines, _coherence))
+    ax.set_ylim(0.0, _MOST)
+    ax.set_yticks((0.0, 0.9, 0.99, 0.999, 0.9999), ('0', '0.9', '0.99', '0.999', '0.9999'))
+    ax.minorticks_off()
+    ax.axhline(SURE, color=FAINT, lw=0.6, ls=':')
+
+
+def _nines(coherence: Any) -> Any:
+    return -np.log10(1.0 - np.clip(coherence, 0.0, _MOST))
+
+
+def _coherence(nines: Any) -> Any:
+    return 1.0 - 10.0 ** -np.asarray(nines)
+
+
 def _draw(curve: Curve, color: str, above: Any, middle: Any, below: Any) -> None:
+    """Draw a curve: measured wide and pale, what it is compared with thin and on top."""
     m = curve.measured
+    # what noise says is left out; the coherence stays
+    known = np.where(m.coherence < TRUSTED, np.nan, 1.0)
     low, high = m.band
-    above.fill_between(m.frequency, _db(low), _db(high), color=color, alpha=0.25, lw=0)
-    above.plot(m.frequency, _db(m.magnitude), color=color, lw=2.2, label=_loop(curve))
-    middle.plot(m.frequency, *_broken(np.degrees(np.angle(m.value))), color=color, lw=2.0)
-    below.plot(m.frequency, m.coherence, color=color, lw=0.9)
-    for other, ink, style, label in (
-        (curve.exact, INK, '--', 'exact response of the rig'),
-        (curve.model, MODEL, '-.', 'identified model'),
-    ):
+    above.fill_between(
+        m.frequency, _db(known * low), _db(known * high), color=color, alpha=0.25, lw=0
+    )
+    above.plot(m.frequency, _db(known * m.magnitude), color=color, label=_loop(curve), **_WIDE)
+    phase = _broken(known * np.degrees(np.angle(m.value)))
+    middle.plot(m.frequency, *phase, color=color, **_WIDE)
+    # an undefined coherence leaves a gap
+    below.plot(m.frequency, np.minimum(m.coherence, _MOST), color=color, lw=0.9)
+    for other, style in ((curve.model, _MODEL), (curve.exact, _EXACT)):
         if other is not None:
-            above.plot(m.frequency, _db(np.abs(other)), color=ink, ls=style, lw=0.8, label=label)
-            middle.plot(
-                m.frequency, *_broken(np.degrees(np.angle(other))), color=ink, ls=style, lw=0.7
-            )
+            above.plot(m.frequency, _db(np.abs(other)), **style)
+            middle.plot(m.frequency, *_broken(np.degrees(np.angle(other))), **style)
     above.axhline(0.0, color=FAINT, lw=0.6, ls=':')
 
 
 def _broken(phase: Any) -> tuple[Any]:
     """A phase whose line is broken where it wraps."""
     shown = np.asarray(phase, dtype=float).copy()
-    shown[1:][np.abs(np.diff(phase)) > 180.0] = np.nan
+    shown[1:][np.abs(np.diff(shown)) > 180.0] = np.nan
     return (shown,)
 
 
@@ -131,10 +174,10 @@ def _db(size: Any) -> Any:
 
 
 def _limits(curves: Sequence[Curve]) -> tuple[float, float]:
-    """Limits of an axis in dB: what is measured with some coherence, and what is exact."""
+    """Limits of an axis in dB: all that is measured with some coherence, and all that is exact."""
     levels = []
     for curve in curves:
-        sure = curve.measured.coherence > 0.3
+        sure = ~(curve.measured.coherence < TRUSTED)
         levels.append(_db(curve.measured.magnitude)[sure])
         if curve.exact is not None:
             levels.append(_db(np.abs(curve.exact)))
@@ -142,44 +185,26 @@ def _limits(curves: Sequence[Curve]) -> tuple[float, float]:
     every = every[np.isfinite(every)]
     if not every.size:
         return -60.0, 20.0
-    low, high = np.quantile(every, 0.01), every.max()
-    return float(low - 6.0), float(high + 4.0)
+    high = float(every.max())
+    return max(float(every.min()), high - _DEEPEST) - 3.0, high + 3.0
 
 
-def _plain_ticks(axes: Any) -> None:
-    """Frequencies as plain numbers, at 1, 2 and 5 of each decade."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    for ax in axes:
-        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f'{value:g}'))
-        ax.xaxis.set_minor_formatter(NullFormatter())
-
-
-def _matrix(paths: Sequence[Curve], path: Path) -> None:
+def _matrix(paths: Sequence[Curve], path: Path, title: str) -> None:
     """Draw the magnitude of every reading per every voltage."""
     outputs = list(dict.fromkeys(c.output for c in paths))
     inputs = list(dict.fromkeys(c.input for c in paths))
     with figure(
         path, len(outputs), len(inputs), size=(3.0 * len(inputs) + 1.0, 2.0 * len(outputs) + 1.0),
-        sharex=True, sharey=True,
+        sharex=True, sharey=True, title=title,
     ) as (drawn, axes):  # fmt: skip
         for curve in paths:
             ax = axes[outputs.index(curve.output), inputs.index(curve.input)]
             m = curve.measured
             low, high = m.band
             ax.fill_between(m.frequency, _db(low), _db(high), color=STRUTS[0], alpha=0.25, lw=0)
-            ax.plot(m.frequency, _db(m.magnitude), color=STRUTS[0], lw=2.0, label='measured')
+            ax.plot(m.frequency, _db(m.magnitude), color=STRUTS[0], label='measured', **_WIDE)
             if curve.exact is not None:
-                exact = _db(np.abs(curve.exact))
-                ax.plot(
-                    m.frequency,
-                    exact,
-                    color=INK,
-                    ls='--',
-                    lw=0.8,
-                    label='exact response of the rig',
-                )
+                ax.plot(m.frequency, _db(np.abs(curve.exact)), **_EXACT)
         for i, name in enumerate(outputs):
             axes[i, 0].set_ylabel(f'{_label(name)}\nm/s² per V [dB]')
         for j, name in enumerate(inputs):
@@ -188,5 +213,5 @@ def _matrix(paths: Sequence[Curve], path: Path) -> None:
         axes[0, 0].set_xscale('log')
         axes[0, 0].set_xlim(paths[0].measured.frequency[0], paths[0].measured.frequency[-1])
         axes[0, 0].set_ylim(*_limits(paths))
-        _plain_ticks(axes.ravel())
+        plain_ticks(axes.ravel())
         legend(drawn, axes.ravel())

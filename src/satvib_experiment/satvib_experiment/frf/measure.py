@@ -23,7 +23,7 @@ from satvib_experiment.frf.transmission import (
     resolution_notes,
     transmissibilities,
 )
-from satvib_experiment.recording.recording import Recording
+from satvib_experiment.recording.recording import Recording, run_title
 from satvib_experiment.recording.run_folder import write_scenario
 from satvib_experiment.scenario.scenario import Scenario, check_scenario
 
@@ -39,12 +39,14 @@ class Measured:
         curves: see `Curve`.
         coupling: frequency of each coil and the matrix of ratios, None without paths.
         notes: what must be known, in sentences.
+        title: of its figures.
     """
 
     source: str
     curves: list[Curve]
     coupling: tuple[list[float], Array] | None = None
     notes: list[str] = field(default_factory=list)
+    title: str = ''
 
 
 def measure_scenario(
@@ -73,19 +75,23 @@ def measure_scenario(
     curves: list[Curve] = []
     notes: list[str] = []
     modelled: Recording | None = None
+    title = scenario.name
     # what is wrong with any of them shows before the first one runs
     bases = [(law, base_scenario(scenario, measurement, law)) for law in laws or ('',)]
     coils = coil_scenario(scenario, measurement) if 'coils' in excite else None
     for number, (law, made) in enumerate(bases if 'base' in excite else ()):
         recording = _run(made, run, folder, 'base' if not number else f'base-{law}')
         modelled = modelled or recording
+        title = run_title(modelled, laws or [modelled.law], scenario.name)
         found = transmissibilities(recording, settings)
         curves += [c for c in found if c.loop != OPEN or not number]
         notes += _reasons(recording, law)
     if coils is not None:
         recording = _run(coils, run, folder, 'coils')
         curves += secondary_paths(recording, settings, modelled)
-    return Measured(scenario.name, curves, coupling(curves, _struts(curves)), notes)
+        if modelled is None:
+            title = run_title(recording, [], scenario.name)
+    return Measured(scenario.name, curves, coupling(curves, _struts(curves)), notes, title)
 
 
 def _run(scenario: Scenario, run: Run, folder: Path | None, name: str) -> Recording:
@@ -133,7 +139,8 @@ def measure_recording(
     check_moved(curves, recording)
     notes = [*recording.notes, *direction_notes(recording), *resolution_notes(curves)]
     notes += _reasons(recording, '')
-    return Measured(recording.source, curves, coupling(curves, _struts(curves)), notes)
+    coupled = coupling(curves, _struts(curves))
+    return Measured(recording.source, curves, coupled, notes, recording.title)
 
 
 def measure_columns(
@@ -168,4 +175,4 @@ def measure_columns(
     except SatvibError as error:
         raise SatvibError(f'{record.name}: {error}') from None
     curve = Curve(PATH if path else TRANSMISSIBILITY, OPEN, names[1], names[0], found)
-    return Measured(record.name, [curve], None, list(record.notes))
+    return Measured(record.name, [curve], None, list(record.notes), record.name)

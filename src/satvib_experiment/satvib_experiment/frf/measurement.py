@@ -175,7 +175,8 @@ def coil_scenario(scenario: Scenario, settings: MeasurementSettings) -> Scenario
     names = {'multisine': 'multisine', 'random': 'random', 'swept': 'chirp'}
     if s.signal not in names:
         raise SatvibError(
-            f'signal: {s.signal} moves the base; a coil is driven by {", ".join(names)}'
+            f'signal: {s.signal} moves the base; a coil is driven by {", ".join(names)} '
+            '(--excite base leaves the coils out)'
         )
     options = [f'turn={turn:g}', f'low={s.low:g}', f'high={s.edge(rig):g}']
     if s.signal == 'multisine':

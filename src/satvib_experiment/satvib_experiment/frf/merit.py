@@ -9,8 +9,8 @@ from satvib_common.arrays import Array, Mask
 from satvib_ident.frequency.response import FrequencyResponse
 
 TRUSTED = 0.5  # coherence below which a line says nothing
-_BEYOND = 2.0  # times the frequency at which isolation begins: there the roll-off begins
-_LEAST = 8  # lines for a roll-off
+BEYOND = 2.0  # times the frequency at which isolation begins: there the roll-off begins
+LEAST = 8  # lines for a roll-off
 _FLOOR = 0.02  # of the magnitude: no line counts more than if it were known to this
 
 
@@ -73,8 +73,8 @@ def _roll_off(
 ) -> tuple[float, float, float] | None:
     """Slope of the level over the decades of frequency, by weighted least squares."""
     f = measured.frequency
-    use = trusted & (f >= _BEYOND * begins)
-    if use.sum() < _LEAST or f[use][-1] < 1.5 * f[use][0]:
+    use = trusted & (f >= BEYOND * begins)
+    if use.sum() < LEAST or f[use][-1] < 1.5 * f[use][0]:
         return None
     with np.errstate(invalid='ignore'):
         spread = np.hypot(np.nan_to_num(measured.radius / measured.magnitude), _FLOOR)

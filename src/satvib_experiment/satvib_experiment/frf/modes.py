@@ -12,7 +12,6 @@ from satvib_plant_sim.rig.structure import MOTIONS
 NAMES = {
     'w': 'heave', 'alpha': 'tilt_x', 'beta': 'tilt_y', 'z': 'heave', 'rx': 'tilt_x', 'ry': 'tilt_y',
 }  # fmt: skip
-MOTION_NAMES = frozenset({*NAMES.values(), *MOTIONS} - {'z', 'rx', 'ry'})
 
 
 def named_motions(rig: AnyRig | None) -> tuple[tuple[str, ...], Array]:

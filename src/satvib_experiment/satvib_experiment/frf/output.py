@@ -14,9 +14,8 @@ import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 
-from satvib_experiment.frf.curve import TRANSMISSIBILITY, Curve
-from satvib_experiment.frf.merit import merit_of
-from satvib_experiment.frf.modes import MOTION_NAMES
+from satvib_experiment.frf.curve import OPEN, SURE, TRANSMISSIBILITY, Curve
+from satvib_experiment.frf.merit import BEYOND, LEAST, TRUSTED, Merit, merit_of
 
 FORMAT = 'satvib frf 1'
 COLUMNS = (
@@ -28,15 +27,14 @@ COLUMNS = (
 def plain_curve(curve: Curve) -> dict[str, Any]:
     """Give the figures of a curve as plain data; what is not known is None."""
     merit = merit_of(curve.measured) if curve.quantity == TRANSMISSIBILITY else None
-    own = {f'base_{curve.output}', *(('base',) if curve.output == 'heave' else ())}
-    if merit is not None and curve.output in MOTION_NAMES and curve.input not in own:
-        # a tilt is no share of the motion of a base that heaves: it has a peak, and nothing begins at 0 dB
+    if merit is not None and curve.is_cross:
         merit = replace(
             merit, isolation_from=None, roll_off=None, roll_off_from=None, roll_off_to=None
         )
     deviation = curve.deviation()
     coherence = curve.measured.coherence
     known = coherence[np.isfinite(coherence)]
+    least = int(np.nanargmin(coherence)) if known.size else None
     return {
         'quantity': curve.quantity,
         'loop': curve.loop,
@@ -44,6 +42,10 @@ def plain_curve(curve: Curve) -> dict[str, Any]:
         'input': curve.input,
         'merit': asdict(merit) if merit else None,
         'coherence': float(np.median(known)) if known.size else None,
+        'coherence_least': None if least is None else float(coherence[least]),
+        'coherence_least_frequency': (
+            None if least is None else float(curve.measured.frequency[least])
+        ),
         'lines': int(curve.measured.frequency.size),
         'lowest': float(curve.measured.frequency[0]),
         'highest': float(curve.measured.frequency[-1]),
@@ -52,7 +54,39 @@ def plain_curve(curve: Curve) -> dict[str, Any]:
         'method': curve.measured.method,
         'deviation_db': deviation[0] if deviation else None,
         'deviation_degrees': deviation[1] if deviation else None,
+        'unknown': _unknown(curve, merit),
     }
+
+
+def _unknown(curve: Curve, merit: Merit | None) -> dict[str, str]:
+    """Say of each figure that is not known why it is not."""
+    reasons: dict[str, str] = {}
+    highest = float(curve.measured.frequency[-1])
+    if curve.quantity != TRANSMISSIBILITY:
+        pass
+    elif merit is None:
+        few = f'no line has a coherence of {TRUSTED:g}'
+        reasons |= {'peak': few, 'isolation_from': few, 'roll_off': few}
+    elif curve.is_cross:
+        cross = 'the base does not move in that way alone, so 0 dB means nothing'
+        reasons |= {'isolation_from': cross, 'roll_off': cross}
+    elif merit.isolation_from is None:
+        loud = f'the payload moves more than the base up to the end of the band, {highest:.3g} Hz'
+        reasons |= {'isolation_from': loud, 'roll_off': loud}
+    elif merit.roll_off is None:
+        begins = BEYOND * merit.isolation_from
+        reasons['roll_off'] = (
+            f'it is fitted to {LEAST} lines or more of a coherence of {TRUSTED:g}, from {begins:.3g} Hz on, '
+            f'over half an octave; up to {highest:.3g} Hz there are fewer'
+        )
+    if curve.exact is None:
+        law = '' if curve.loop == OPEN else 'the law is no filter with fixed coefficients, '
+        reasons['deviation'] = (
+            f'{law}the rig is not known or is made of models, or the base moves in several directions'
+        )
+    elif curve.deviation() is None:
+        reasons['deviation'] = f'no line has a coherence above {SURE:g}'
+    return reasons
 
 
 def frf_mapping(

@@ -14,14 +14,13 @@ from satvib_plant_sim.rig.rig import Rig
 
 from satvib_experiment.analysis.tones import disturbance_onset
 from satvib_experiment.analysis.windows import Span, find_windows
-from satvib_experiment.frf.curve import OPEN, TRANSMISSIBILITY, Curve
+from satvib_experiment.frf.curve import BASE, HEAVE, OPEN, TRANSMISSIBILITY, Curve
 from satvib_experiment.frf.exact import exact_plates
 from satvib_experiment.frf.how import Moved, base_directions, estimate, moved_by
 from satvib_experiment.frf.merit import merit_of
 from satvib_experiment.frf.modes import along, named_motions
 from satvib_experiment.recording.recording import Recording
 
-BASE = 'base'
 Direction = tuple[float, ...]
 _PURE = 1.0 - 1e-6  # share of one motion from which the base moves in that one alone
 _NARROW = 0.1  # of a peak's frequency: width of a mode with a damping ratio of 5 %
@@ -108,8 +107,9 @@ def _curves(
     plates = exact(measured.frequency)
     for m, name in enumerate(names):
         truth = None if plates is None else (plates[0] @ matrix[m]) / (plates[1] @ base)
+        moving = _input(recording.rig, one)
         curves.append(
-            Curve(TRANSMISSIBILITY, loop, name, _input(recording.rig, one), measured[m], truth)
+            Curve(TRANSMISSIBILITY, loop, name, moving, measured[m], truth, is_motion=True)
         )
     return curves
 
@@ -121,7 +121,7 @@ def _input(rig: Rig, direction: Direction) -> str:
     name = names[int(np.argmax(np.abs(share)))]
     if np.max(np.abs(share)) < _PURE:
         return f'base along {" ".join(f"{v:.2g}" for v in direction)}'
-    return BASE if name == 'heave' else f'{BASE}_{name}'
+    return BASE if name == HEAVE else f'{BASE}_{name}'
 
 
 def _moves(signals: Array) -> Mask:
@@ -139,7 +139,10 @@ def _own_motions(
     found = []
     for m in np.flatnonzero(_moves(base)):
         measured = estimate(base[m], _times(matrix[m : m + 1], upper)[0], dt, moved, settings)
-        found.append(Curve(TRANSMISSIBILITY, loop, names[m], f'{BASE}_{names[m]}', measured))
+        name = names[m]
+        found.append(
+            Curve(TRANSMISSIBILITY, loop, name, f'{BASE}_{name}', measured, is_motion=True)
+        )
     return found
 
 
@@ -155,8 +158,7 @@ def _ratio(plates: tuple[Complex, Complex] | None, i: int) -> Complex | None:
 def law_name(recording: Recording) -> str:
     """Name of the law that acts in CONTROL."""
     if recording.scenario is not None:
-        central = recording.scenario.scheme == 'centralized'
-        return 'centralized' if central else str(recording.scenario.controller.get('law', 'closed'))
+        return recording.law or 'closed'
     return 'closed' if recording.plan.first_of(Phase.CONTROL) is not None else OPEN
 
 

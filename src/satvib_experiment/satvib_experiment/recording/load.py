@@ -4,6 +4,8 @@
 
 from pathlib import Path
 
+from satvib_common.errors import SatvibError
+
 from satvib_experiment.recording.bag_reader import read_recording
 from satvib_experiment.recording.npz_file import load_npz
 from satvib_experiment.recording.recording import Recording
@@ -22,4 +24,27 @@ def load_recording(path: Path, recover: bool = False) -> Recording:
     if path.suffix == '.npz':
         return load_npz(path)
     inside = path / 'recording.npz'
-    return load_npz(inside) if inside.is_file() else read_recording(path, recover)
+    if inside.is_file():
+        return load_npz(inside)
+    refuse_results(path)
+    return read_recording(path, recover)
+
+
+def refuse_results(path: Path) -> None:
+    """Refuse a folder that holds results of a command and no recording, and say where the recording is.
+
+    Raises:
+        SatvibError: with what there is to do.
+    """
+    if any(path.glob('*.mcap')) or any(path.glob('*.db3')) or (path / 'metadata.yaml').exists():
+        return
+    made = [name for name in ('base.yaml', 'coils.yaml') if (path / name).is_file()]
+    if (path / 'frf.json').is_file():
+        way = 'give what it was made from'
+        if made:
+            way = f'./satvib simulate {path / made[0]} records its experiment, ./satvib frf {path / made[0]} repeats it'
+        raise SatvibError(f'{path}: holds frequency responses (frf.json), no recording; {way}')
+    if (path / 'result.json').is_file():
+        raise SatvibError(
+            f'{path}: holds a report, no recording; give the bag or run that it is of ("source" in result.json)'
+        )

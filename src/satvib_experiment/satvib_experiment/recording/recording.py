@@ -8,6 +8,7 @@ A recording has one group of arrays per topic, named after it (`identified_model
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -75,6 +76,19 @@ class Recording:
         """Take the name of the scenario where it is known."""
         if self.scenario is not None:
             self.name = self.scenario.name
+
+    @property
+    def law(self) -> str:
+        """Name of the law that acts in CONTROL; '' where nothing says it."""
+        if self.scenario is None:
+            return ''
+        central = self.scenario.scheme == 'centralized'
+        return 'centralized' if central else str(self.scenario.controller.get('law', ''))
+
+    @property
+    def title(self) -> str:
+        """What a figure of this run says of it: name, rig, law and seed, as far as they are known."""
+        return run_title(self, [self.law] if self.law else [])
 
     def has(self, group: str, name: str | None = None) -> bool:
         """Whether a group, or a field of it, is there."""
@@ -212,3 +226,20 @@ def _difference(
             f'{int(first.sequence[where[0]])} of {first.struts[where[1]]}'
         )
     ]
+
+
+def run_title(recording: Recording, laws: Sequence[str], name: str = '') -> str:
+    """Name a run, its rig, laws and seed in one line.
+
+    Args:
+        recording: the run.
+        laws: that acted.
+        name: in the place of the run's own.
+    """
+    scenario, rig = recording.scenario, recording.rig
+    changed = ' with changes' if scenario is not None and scenario.rig_overrides else ''
+    parts = [name or recording.name or recording.source]
+    parts += [f'rig {rig.name}{changed}'] if rig is not None else []
+    parts += [', '.join(law.replace('_', ' ') for law in laws)] if laws else []
+    parts += [f'seed {recording.seed}'] if scenario is not None else []
+    return ' · '.join(parts)

@@ -70,15 +70,28 @@ def figure(path: Path, rows: int, columns: int = 1, **options: Any) -> Iterator[
     Args:
         path: the PNG file.
         rows, columns: of axes.
-        options: for `Figure.subplots`; `size` is the figure's in inches.
+        options: for `Figure.subplots`; `size` is the figure's in inches, `title` stands above it.
     """
     size = options.pop('size', (9.0, 1.9 * rows + 0.6))
+    title = options.pop('title', '')
     with mpl.rc_context(_RC):  # type: ignore[arg-type]
         drawn = Figure(figsize=size)
         canvas = FigureCanvasAgg(drawn)
+        if title:
+            drawn.suptitle(title, x=0.01, ha='left', fontsize=9, color=FAINT)
         yield drawn, drawn.subplots(rows, columns, squeeze=False, **options)
         # `savefig` lays out and draws twice, once to see how large it becomes
         canvas.print_png(path)  # type: ignore[no-untyped-call]
+
+
+def plain_ticks(axes: Iterable[Axes]) -> None:
+    """Frequencies as plain numbers, at 1, 2 and 5 of each decade."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    for ax in axes:
+        ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f'{value:g}'))
+        ax.xaxis.set_minor_formatter(NullFormatter())
 
 
 def legend(drawn: Figure, axes: Iterable[Axes], columns: int = 6) -> None:

@@ -3,6 +3,7 @@
 """The report: complete, self-contained, strict JSON, nothing overwritten."""
 
 import base64
+import inspect
 import json
 import re
 from dataclasses import replace
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from satvib_common.errors import SatvibError
 from satvib_experiment.analysis.analysis import analyse
 from satvib_experiment.analysis.evaluation import KINDS
@@ -20,7 +22,7 @@ from satvib_experiment.report import drawing
 from satvib_experiment.report.build import write_report
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.drawing import Drawing
-from satvib_experiment.report.figures.registry import FIGURES
+from satvib_experiment.report.figures.registry import FIGURES, figure_module
 from satvib_experiment.report.result import write_result
 
 
@@ -188,9 +190,16 @@ def test_clipped_samples_are_a_finding(quick_run, tmp_path):
 
 
 def test_a_drawing_process_that_ends_costs_no_figure(quick_run, tmp_path, monkeypatch):
-    """Truth: the figures of an undisturbed report, of which three will do, drawn by this process instead."""
+    """Truth: the figures of an undisturbed report, of which three will do, drawn by this process instead.
+
+    Each says of what run it is.
+    """
     some = [(name, heading) for name, heading in FIGURES if name in {'gains', 'model', 'voltage'}]
     monkeypatch.setattr(drawing, 'FIGURES', some)
+    titles, real = [], Figure.suptitle
+    monkeypatch.setattr(
+        Figure, 'suptitle', lambda self, text, **how: titles.append(text) or real(self, text, **how)
+    )
     evaluation, open_loop = analyse(quick_run)
     with Drawing(1) as processes:
         for process in processes._processes:
@@ -199,6 +208,15 @@ def test_a_drawing_process_that_ends_costs_no_figure(quick_run, tmp_path, monkey
         drawn = processes.draw(Context(quick_run, open_loop, evaluation), tmp_path)
     assert [figure.name for figure in drawn] == [name for name, _ in some]
     assert all(figure.path.stat().st_size > 10_000 for figure in drawn)
+    assert len(titles) == len(some)
+    law = quick_run.scenario.controller['law'].replace('_', ' ')
+    assert set(titles) == {f'quick_3dof · rig {quick_run.rig.name} · {law} · seed 1'}
+
+
+@pytest.mark.parametrize('name', [name for name, _ in FIGURES])
+def test_every_figure_says_of_what_run_it_is(name):
+    """Truth: the source of the figure."""
+    assert 'title=context.recording.title' in inspect.getsource(figure_module(name))
 
 
 def test_the_figures_are_drawn_after_the_result_is_known(made):

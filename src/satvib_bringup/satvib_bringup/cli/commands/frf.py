@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """`satvib frf`: measured frequency responses: transmissibility, secondary paths, coupling."""
 
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar
 
 import typer
 
@@ -11,8 +12,11 @@ from satvib_bringup.cli.options import Recover, Settings
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from satvib_common.schema import Schema
     from satvib_experiment.frf.measure import Measured
     from satvib_ident.frequency.settings import FrfSettings
+
+_Settings = TypeVar('_Settings', bound='Schema')
 
 
 class _Asked(NamedTuple):
@@ -141,13 +145,12 @@ def frf(
         raise SatvibError(f'--sample-period: {sample_period} is not above 0 s')
     if period is not None and not 0.0 < period < float('inf'):
         raise SatvibError(f'--period: {period} is not above 0 s')
-    how = FrfSettings.from_mapping(
-        {
-            'estimator': estimator, 'window': window, 'overlap': overlap, 'resolution': resolution,
-            'averages': averages, 'confidence': confidence,
-        },
-        'frf',
-    )  # fmt: skip
+    if low is not None and high is not None and not low < high:
+        raise SatvibError(f'--high: {high:g} Hz is not above --low, {low:g} Hz')
+    how = _of_options(FrfSettings, {
+        'estimator': estimator, 'window': window, 'overlap': overlap, 'resolution': resolution,
+        'averages': averages, 'confidence': confidence,
+    })  # fmt: skip
     console = make_console()
     if _is_scenario(source):
         moves = {
@@ -172,7 +175,7 @@ def frf(
     from satvib_experiment.frf.figures import draw_figures
 
     (target / 'figures').mkdir()
-    for drawn in draw_figures(measured.curves, target / 'figures'):
+    for drawn in draw_figures(measured.curves, target / 'figures', measured.title):
         console.print(f'figure: {drawn}', soft_wrap=True)
     console.print(f'numbers: {target / "frf.csv"}', soft_wrap=True)
 
@@ -189,12 +192,36 @@ def _factors(text: str | None) -> list[float] | None:
         raise SatvibError(f'--direction: {text!r}: numbers with commas are expected') from None
 
 
+def _of_options(kind: type[_Settings], given: dict[str, Any]) -> _Settings:
+    """Make settings of what the options say; what is wrong is named as an option."""
+    from satvib_common.errors import SatvibError
+
+    try:
+        return kind.from_mapping(given)
+    except SatvibError as error:
+        keys, _, what = str(error).partition(': ')
+        options = ', '.join(f'--{key.replace("_", "-")}' for key in keys.split(', '))
+        raise SatvibError(f'{options}: {what}') from None
+
+
 def _is_scenario(source: str) -> bool:
-    """Whether a source is a scenario: a YAML file, or a name that is no file."""
+    """Whether a source is a scenario: a YAML file, or a name that is no file.
+
+    Raises:
+        SatvibError: it is a name, and neither a scenario's nor a file's.
+    """
+    from satvib_common.errors import SatvibError
+    from satvib_common.files.suggestions import nearest
     from satvib_experiment.scenario.folder import scenario_names
 
-    path = Path(source)
-    return path.suffix in {'.yaml', '.yml'} or (source in scenario_names() and not path.exists())
+    path, names = Path(source), scenario_names()
+    if path.suffix in {'.yaml', '.yml'}:
+        return True
+    if path.exists() or path.suffix or '/' in source:
+        return False
+    if source not in names:
+        raise SatvibError(f'{source!r}: no such file, folder or scenario; {nearest(source, names)}')
+    return True
 
 
 def _scenario(
@@ -219,13 +246,14 @@ def _scenario(
     from satvib_bringup.cli.console import ProgressView
 
     scenario = load_scenario(source, changes or [])
-    measurement = MeasurementSettings.from_mapping(moves, 'frf')
+    measurement = _of_options(MeasurementSettings, moves)
     target = free_run_folder(f'{scenario.name}-frf', folder)
     make_run_folder(target)
 
     def run(made: Scenario) -> Recording:
         law = made.controller.get('law', '')
-        with ProgressView(console, made.duration, f'frf {made.name} {law}'.rstrip()) as view:
+        title = f'frf {made.name} {law}'.rstrip()
+        with ProgressView(console, made.duration, title, every=math.inf) as view:
             return simulate(made, TwinProgress(made, view.update))
 
     return target, measure_scenario(

@@ -26,8 +26,8 @@ from satvib_experiment.report.style import (
 CAPTION = (
     'Acceleration of the upper plate at each strut, the paper’s Fig. 9. Left: the whole run, what '
     'really happened (blue) and what the loop’s samples say (orange), as the span between the least and the largest '
-    'value; the axis is cut at 2.5 times what the windows with and without control reach. Right: the last moments '
-    'under control, on the fine grid, against the open-loop twin on the same seed (grey); the dots '
+    'value; the axis is cut at 2.5 times what the windows with and without control reach. Right: the end of the '
+    'stretch under control, on the fine grid, against the open-loop twin on the same seed (grey); the dots '
     'are the samples, all that the controller sees.'
 )
 _ZOOM_PERIODS = 4
@@ -41,14 +41,16 @@ def draw(context: Context, path: Path) -> bool:
     if not np.any(np.isfinite(recording.get('acceleration', 'upper'))):
         return False
     end = float(recording.time[-1]) + recording.sample_period
+    judged = context.evaluation.windows.controlled
+    until = judged[1] if judged else end
     lowest = min(context.evaluation.frequencies, default=0.0)
     length = _ZOOM_PERIODS / lowest if lowest else _ZOOM_SAMPLES * recording.sample_period
-    zoom = recording.window(max(end - length, 0.0), end)
+    zoom = recording.window(max(until - length, 0.0), until)
     measured = context.measured()
     bins = max(round((end - float(recording.time[0])) / _BIN), 60)
     with figure(
         path, count, 2, size=(11.5, 2.1 * count + 0.9), sharex='col', sharey='row',
-        width_ratios=(1.6, 1),
+        width_ratios=(1.6, 1), title=context.recording.title,
     ) as (drawn, axes):  # fmt: skip
         for i, name in enumerate(context.struts):
             left, right = axes[i]
@@ -71,6 +73,7 @@ def draw(context: Context, path: Path) -> bool:
         axes[0, 1].set_title('under control, close up')
         axes[-1, 0].set_xlabel('time [s]')
         axes[-1, 1].set_xlabel('time [s]')
+        axes[-1, 1].locator_params(axis='x', nbins=5)
         legend(drawn, (axes[0, 0], axes[0, 1]))
     return True
 

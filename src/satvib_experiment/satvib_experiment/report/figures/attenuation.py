@@ -27,8 +27,9 @@ def draw(context: Context, path: Path) -> bool:
         return False
     count = len(context.struts)
     with figure(
-        path, 1, len(kinds), size=(5.2 * len(kinds), 0.85 * count + 1.2), sharey=True, sharex=True
-    ) as (drawn, axes):
+        path, 1, len(kinds), size=(5.2 * len(kinds), 0.85 * count + 1.4), sharey=True, sharex=True,
+        title=context.recording.title,
+    ) as (drawn, axes):  # fmt: skip
         for column, kind in enumerate(kinds):
             ax = axes[0, column]
             rows = np.arange(count)

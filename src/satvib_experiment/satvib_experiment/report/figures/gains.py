@@ -41,7 +41,10 @@ def draw(context: Context, path: Path) -> bool:
     names = shown_quantities(recording)
     if not names:
         return False
-    with figure(path, len(names), sharex=True, size=(9.0, 2.2 * len(names) + 0.8)) as (drawn, axes):
+    with figure(
+        path, len(names), sharex=True, size=(9.0, 2.2 * len(names) + 0.8),
+        title=context.recording.title,
+    ) as (drawn, axes):  # fmt: skip
         for row, quantity in enumerate(names):
             ax = axes[row, 0]
             values = recording.get('state', quantity)

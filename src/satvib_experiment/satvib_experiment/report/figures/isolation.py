@@ -36,6 +36,7 @@ from satvib_experiment.report.style import (
     figure,
     legend,
     log_scale,
+    plain_ticks,
 )
 
 CAPTION = (
@@ -43,8 +44,10 @@ CAPTION = (
     'the run or by frequency; dashed: the exact response of the rig, open loop, and dotted with a law that is a fixed '
     'filter. Middle: RMS velocity of the payload in third octaves, against the criteria of ISO and the VC curves (at 8 '
     'Hz and above, from top to bottom: workshop, office, residential, operating theatre, VC-A to VC-E). Right: RMS '
-    'acceleration of everything at and above a frequency. Both from the truth where there is truth.'
+    'acceleration of everything at and above a frequency; its left end is the RMS of the table of attenuation, of the '
+    'same stretches. Both from the truth where there is truth.'
 )
+_EXACT = {'--': 'exact, open loop', ':': 'exact, with the law'}
 _LINES = 160
 _LOWEST = 1.0  # Hz
 _DECADES = 5.0
@@ -54,10 +57,11 @@ def draw(context: Context, path: Path) -> bool:
     """Draw the figure; False when there is no stretch to look at."""
     if stretch(context, 'controlled') is None and stretch(context, 'uncontrolled') is None:
         return False
-    with figure(path, 1, 3, size=(12.6, 4.2)) as (drawn, axes):
+    with figure(path, 1, 3, size=(12.6, 4.2), title=context.recording.title) as (drawn, axes):
         _transmissibility(context, axes[0, 0])
         _octaves(context, axes[0, 1])
         _cumulative(context, axes[0, 2])
+        plain_ticks(axes[0])
         legend(drawn, axes[0])
     return True
 
@@ -80,13 +84,16 @@ def _transmissibility(context: Context, ax: Any) -> None:
             if style == ':' and feedback is None:
                 continue
             exact = decibel(np.abs(transmissibility(recording.rig, f, feedback)))
+            # above what is measured, and thinner
             for i, column in enumerate(exact.T):
-                ax.plot(f, column, style, color=INK if style == '--' else _color(i), lw=0.9)
+                color = INK if style == '--' else _color(i)
+                label = _EXACT[style] if i == 0 else None
+                ax.plot(f, column, style, color=color, lw=0.9, zorder=3, label=label)
     curves = broadband_curves(context)
     for curve in curves:
         i = context.struts.index(curve.output)
         color = OPEN if curve.loop == OPEN_LOOP else _color(i)
-        ax.plot(curve.measured.frequency, curve.measured.decibels, color=color, lw=1.0)
+        ax.plot(curve.measured.frequency, curve.measured.decibels, color=color, lw=2.4, alpha=0.55)
     for name in () if curves else (_baseline(context), 'controlled'):
         found = tone_transmissibility(context, name)
         if found is None:

@@ -21,6 +21,7 @@ from satvib_experiment.report.style import (
     figure,
     legend,
     log_scale,
+    plain_ticks,
 )
 
 CAPTION = (
@@ -39,7 +40,9 @@ def draw(context: Context, path: Path) -> bool:
         return False
     recording = context.recording
     baseline = 'uncontrolled' if stretch(context, 'uncontrolled') else 'open_loop'
-    with figure(path, 1, 2, size=(11.0, 3.6), width_ratios=(1.5, 1)) as (drawn, axes):
+    with figure(
+        path, 1, 2, size=(11.0, 3.6), width_ratios=(1.5, 1), title=context.recording.title
+    ) as (drawn, axes):
         left, right = axes[0]
         for axis, name in enumerate('xy'):
             envelope(
@@ -57,6 +60,7 @@ def draw(context: Context, path: Path) -> bool:
         right.set_xlim(_LOWEST, 0.5 / recording.sample_period)
         right.set_xlabel('above this frequency [Hz]')
         right.set_ylabel('arc seconds RMS')
+        plain_ticks([right])
         legend(drawn, axes[0])
     return True
 
@@ -82,9 +86,10 @@ def _cumulative(context: Context, ax: Any, name: str, color: str) -> None:
     if tilt is not None:
         f, power = power_lines(tilt, dt)
         total = cumulative_rms(power.sum(axis=-1))
-        ax.plot(f, ARC_SECONDS * total, color=color, lw=1.2, label=f'{words}, true')
+        # the measured one lies on it, where there is more than noise
+        ax.plot(f, ARC_SECONDS * total, color=color, lw=2.6, alpha=0.6, label=f'{words}, true')
     if matrix is not None and on:
         upper = np.nan_to_num(recording.get('acceleration', 'upper')[window])
         f, power = power_lines(upper @ matrix.T, dt)
         total = cumulative_rms(integrated(f, power, 2).sum(axis=-1))
-        ax.plot(f, ARC_SECONDS * total, color=MEASURED, lw=1.0, label=f'{words}, measured')
+        ax.plot(f, ARC_SECONDS * total, color=MEASURED, lw=1.0, ls='--', label=f'{words}, measured')

@@ -25,7 +25,7 @@ def draw(context: Context, path: Path) -> bool:
     records = [identify_record(context, i) for i in range(len(context.struts))]
     if all(m is None for m in models) or all(r is None for r in records):
         return False
-    with figure(path, len(models), sharex=True) as (drawn, axes):
+    with figure(path, len(models), sharex=True, title=context.recording.title) as (drawn, axes):
         for i, name in enumerate(context.struts):
             ax, model, record = axes[i, 0], models[i], records[i]
             ax.set_ylabel(f'{strut_label(name)}\nm/s²')

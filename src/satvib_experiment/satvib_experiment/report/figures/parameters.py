@@ -42,7 +42,9 @@ def draw(context: Context, path: Path) -> bool:
     limits = (max(used[0] - 0.3, 0.0), used[-1] + 0.5) if used else None
     perfect = perfect_parameters(recording) if context.open_loop is not None else None
     height = 1.35 * (rows + len(trust)) + 0.8
-    with figure(path, rows + len(trust), size=(9.0, height), sharex=True) as (drawn, axes):
+    with figure(
+        path, rows + len(trust), size=(9.0, height), sharex=True, title=context.recording.title
+    ) as (drawn, axes):
         for row, label in enumerate(labels):
             ax = axes[row, 0]
             for i, name in enumerate(context.struts):

@@ -9,7 +9,7 @@ from satvib_common.struts.names import strut_label
 
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.models import final_model, response_errors, true_response
-from satvib_experiment.report.style import FAINT, INK, MODEL, figure, legend
+from satvib_experiment.report.style import FAINT, INK, MODEL, figure, legend, plain_ticks
 
 CAPTION = (
     'Frequency response from voltage to measured acceleration: the identified model and the exact '
@@ -27,21 +27,21 @@ def draw(context: Context, path: Path) -> bool:
         return False
     nyquist = 0.5 / context.recording.sample_period
     f = np.geomspace(_LOWEST, 0.98 * nyquist, 200)
-    with figure(path, 2, count, size=(3.7 * count + 0.6, 5.2), sharex=True, sharey='row') as (
-        drawn,
-        axes,
-    ):
+    with figure(
+        path, 2, count, size=(3.7 * count + 0.6, 5.2), sharex=True, sharey='row',
+        title=context.recording.title,
+    ) as (drawn, axes):  # fmt: skip
         for i, (name, model) in enumerate(zip(context.struts, models, strict=True)):
             rig = true_response(context, i, f)
             phase = np.unwrap(np.angle(rig))
-            style = {'color': INK, 'ls': '--', 'label': 'rig'}
+            style = {'color': INK, 'ls': '--', 'lw': 1.0, 'zorder': 3, 'label': 'rig'}
             axes[0, i].loglog(f, np.abs(rig), **style)
             axes[1, i].semilogx(f, np.degrees(phase), **style)
             if model is not None:
                 found = model.frequency_response(f)
                 # on the same branch of the angle as the rig's
                 difference = np.unwrap(np.angle(found / rig))
-                style = {'color': MODEL, 'label': 'identified model'}
+                style = {'color': MODEL, 'lw': 2.4, 'alpha': 0.7, 'label': 'identified model'}
                 axes[0, i].loglog(f, np.abs(found), **style)
                 axes[1, i].semilogx(f, np.degrees(phase + difference), **style)
             for tone in context.evaluation.frequencies:
@@ -52,6 +52,7 @@ def draw(context: Context, path: Path) -> bool:
         axes[0, 0].set_ylabel('m/s²/V')
         axes[1, 0].set_ylabel('degrees')
         axes[0, 0].set_xlim(_LOWEST, nyquist)
+        plain_ticks(axes.ravel())
         legend(drawn, axes[0])
     return True
 

@@ -40,7 +40,7 @@ def draw(context: Context, path: Path) -> bool:
     dt = recording.sample_period
     with figure(
         path, len(context.struts), columns, size=(5.6 * columns, 2.0 * len(context.struts) + 0.9),
-        sharex='col', sharey='row',
+        sharex='col', sharey='row', title=context.recording.title,
     ) as (drawn, axes):  # fmt: skip
         for i, name in enumerate(context.struts):
             ax = axes[i, 0]

@@ -32,7 +32,7 @@ def draw(context: Context, path: Path) -> bool:
     level = decibel(np.sqrt(np.maximum(power, 1e-300)))
     top = float(level.max())
     begin = float(recording.time[0])
-    with figure(path, 1, size=(9.0, 3.6)) as (drawn, axes):
+    with figure(path, 1, size=(9.0, 3.6), title=context.recording.title) as (drawn, axes):
         ax = axes[0, 0]
         ends = (begin + t[0] - 0.5 * (t[1] - t[0]), begin + t[-1] + 0.5 * (t[1] - t[0]), 0.0, f[-1])
         image = ax.imshow(

@@ -28,7 +28,9 @@ def draw(context: Context, path: Path) -> bool:
         return False
     saturated = recording.get('voltage', 'saturated')
     limit = _limit(context)
-    with figure(path, len(context.struts), sharex=True, sharey=True) as (_, axes):
+    with figure(
+        path, len(context.struts), sharex=True, sharey=True, title=context.recording.title
+    ) as (_, axes):
         for i, name in enumerate(context.struts):
             ax = axes[i, 0]
             ax.plot(recording.time, voltage[:, i], color=STRUTS[i % 6], lw=0.8)
