@@ -46,6 +46,8 @@ def run(folder, code=CALL, **variables):
     """What a process says that finds its modules in a folder."""
     path = os.pathsep.join([str(folder), *sys.path])
     env = {k: v for k, v in os.environ.items() if k != 'NUMBA_CACHE_DIR'}
+    # Python takes a module for the same when its size is the same and its second
+    env['PYTHONDONTWRITEBYTECODE'] = '1'
     done = subprocess.run(
         [sys.executable, '-c', code], env=env | {'PYTHONPATH': path} | variables,
         capture_output=True, text=True, timeout=120, check=False,
