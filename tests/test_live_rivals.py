@@ -68,7 +68,7 @@ def test_two_controllers_of_one_strut_are_0_v(start, probe, reports, lockstep):
     probe.wait(lambda: samples[-1].applied_state == Applied.APPLIED)
 
 
-@pytest.mark.parametrize('lockstep', [pytest.param(True, marks=pytest.mark.long), False])
+@pytest.mark.parametrize('lockstep', [True, False])
 def test_two_plants_end_or_are_0_v(start, probe, lockstep):
     """Truth: the processes and the voltages. One plant ends with exit code 1, or the controller latches 0 V; named.
 

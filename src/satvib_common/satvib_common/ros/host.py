@@ -15,9 +15,9 @@ from typing import Any
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.executors import Executor, SingleThreadedExecutor
-from rclpy.task import Future
 
 from satvib_common.ros.delivery.exchange import RANKS, Exchange
+from satvib_common.ros.loop.turns import Turns
 from satvib_common.ros.node import DRAIN, SatvibNode
 
 # s, the longest time between two looks at signals
@@ -62,10 +62,14 @@ class Host:
         self.nodes = list(nodes)
         self.exchange = exchange
         self._executor = make_executor(nodes[0].context)
+        self._turns = turns = Turns(
+            self._executor, lambda: sum(node.handled for node in self.nodes)
+        )
         for node in nodes:
             self._executor.add_node(node)
+            node.wake = turns.wake
         if exchange is not None:
-            exchange.wake = self._wake
+            exchange.wake = turns.wake
 
     @property
     def ended(self) -> SatvibNode[Any] | None:
@@ -97,16 +101,13 @@ class Host:
                 wait = 0.0 if exchange.waits() else wait
             if each is not None:
                 each()
-            wake = Future()
-            for node in self.nodes:
-                node.wake = wake
             alone = len(self.nodes) == 1 and self.nodes[0].active
             pause = self.nodes[0].pause() if alone else 0.0
             if pause > 0.0:
                 time.sleep(pause)
                 wait = 0.0
             if self.ended is None:
-                self._executor.spin_until_future_complete(wake, timeout_sec=min(wait, _SLICE))
+                self._turns.take(min(wait, _SLICE))
 
     def end(self) -> None:
         """Work on what has been received, bring all nodes to rest, and wait until others have what they said."""
@@ -125,13 +126,11 @@ class Host:
         The executor and the state machine of a lifecycle node keep the participant of DDS alive; without this, an ended
         node stays in the graph until its lease is over, some twenty seconds.
         """
+        self._turns.close()
         with contextlib.suppress(Exception):
             self._executor.shutdown(0.0)
-        del self._executor
+        del self._executor, self._turns
         close_nodes(self.nodes)
-
-    def _wake(self) -> None:
-        self.nodes[0].wake_up()
 
     def _drain(self) -> None:
         """Process what has been received, if no source sends any more; a live source would never end."""
@@ -144,7 +143,7 @@ class Host:
             if not working or any(node.sources_left() for node in working):
                 return
             before = sum(node.handled for node in working)
-            self._executor.spin_until_future_complete(Future(), timeout_sec=0.02)
+            self._turns.take(0.02)
             if self.exchange is not None:
                 self.exchange.work(time.monotonic() + _AMONG_THEMSELVES)
             if sum(node.handled for node in working) == before or time.monotonic() > deadline:

@@ -23,7 +23,6 @@ from rclpy.clock import Clock, ClockType
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
-from rclpy.task import Future
 from rclpy.timer import Timer
 from std_srvs.srv import Trigger
 
@@ -63,8 +62,9 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         self.ended = False
         self.exit_code = 0
         self.last_line = ''
-        # the main loop waits on this one; it is new every time, because a future keeps all who have waited on it
-        self.wake: Future = Future()
+        self.wake: Callable[[], None] = lambda: (
+            None
+        )  # ends the turn of the main loop that is under way
         self.configured = False
         self.active = False
         self.handled = 0
@@ -240,14 +240,13 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
     def interrupt(self) -> None:
         """End the process, asked by a signal: the main loop sees it at the end of its slice.
 
-        The main thread, which the signal interrupts, may hold the lock of the very future that `wake_up` would set.
+        The main thread, which the signal interrupts, may hold the very lock that `wake_up` would take.
         """
         self.ended = True
 
     def wake_up(self) -> None:
         """Let the main loop call `tick` without waiting any longer."""
-        if not self.wake.done():
-            self.wake.set_result(None)
+        self.wake()
 
     def fail(self, error: Exception) -> None:
         """End the process with an error: 2 for what people must correct, 1 for a run that failed."""

@@ -47,7 +47,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
     def configure(self) -> None:
         """Open the devices at 0 V and begin to read."""
         p = self.parameters
-        self.session = Session(p, self._wake, self.transitions.append, self.latched)
+        self.session = Session(p, self.wake_up, self.transitions.append, self.latched)
         self.gate = ScheduleGate(
             self, 'schedule', p.sample_rate, lambda: self.bridge.running, self.bridge.struts
         )
@@ -128,9 +128,6 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
 
     def _on_voltage(self, strut_index: int, message: VcaVoltage) -> None:
         self.bridge.command(strut_index, message.sequence, message.voltage)
-
-    def _wake(self) -> None:
-        self.wake.set_result(None)
 
     def _serve(self) -> None:
         assert self.session is not None

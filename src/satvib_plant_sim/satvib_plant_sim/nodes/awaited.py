@@ -10,11 +10,22 @@ from satvib_common.ros.loop.rivals import too_many_writers
 from satvib_common.ros.reporting import QUIET, source_of
 from satvib_common.struts.applied import Applied
 
+# s, within which a node finds the others, and between two looks
+_TO_BE_FOUND, _LOOK = 2.0, 0.02
+
 
 def others_of(node: Any, strut_index: int) -> str:
     """Give a text that names two controllers of a strut, or two plants; empty: there is one of each."""
     strut = node.names[strut_index]
     return too_many_writers(node, f'{strut}/voltage', f'{strut}/acceleration')
+
+
+def others_in_the_end(node: Any, strut_index: int) -> str:
+    """Give the same as the last words of a plant: one that has just started may not have found the other one yet."""
+    deadline = time.monotonic() + _TO_BE_FOUND
+    while not (found := others_of(node, strut_index)) and time.monotonic() < deadline:
+        time.sleep(_LOOK)
+    return found
 
 
 def awaited(node: Any) -> str:

@@ -20,10 +20,16 @@ class Answers:
     Args:
         names: of the struts.
         others: names who else answers for a strut, or is in the plant's place.
+        newcomers: the same, with time for who has just started; None: as `others`.
     """
 
-    def __init__(self, names: Sequence[str], others: Callable[[int], str] = lambda _: '') -> None:
-        self.names, self._others = tuple(names), others
+    def __init__(
+        self,
+        names: Sequence[str],
+        others: Callable[[int], str] = lambda _: '',
+        newcomers: Callable[[int], str] | None = None,
+    ) -> None:
+        self.names, self._others, self._newcomers = tuple(names), others, newcomers or others
         self.voltage = np.zeros(len(self.names))
         self._answered = [-1] * len(self.names)
 
@@ -43,7 +49,7 @@ class Answers:
             raise RunError(
                 f'{name}: a voltage for sample {sequence} before that sample was published: a '
                 'controller of another run is alive; stop it, or use another ROS_DOMAIN_ID'
-                + (f'; {others}' if (others := self._others(strut_index)) else '')
+                + (f'; {others}' if (others := self._newcomers(strut_index)) else '')
             )
         if sequence < k or self._answered[strut_index] == k:
             return False  # a controller that was started again sends an old answer
@@ -67,7 +73,9 @@ class Answers:
             RunError: it has; the struts are named.
         """
         if silence > limit:
+            missing = self.missing(k)
+            others = next(filter(None, (self._others(self.names.index(n)) for n in missing)), '')
             raise RunError(
-                f'no voltage for sample {k} from {", ".join(self.missing(k))} within '
-                f'{limit:g} s; is the controller there, and its identifier?'
+                f'no voltage for sample {k} from {", ".join(missing)} within {limit:g} s; '
+                + (others or 'is the controller there, and its identifier?')
             )
