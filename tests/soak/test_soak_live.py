@@ -6,7 +6,8 @@ Truth: the recording, and /proc. Allowed is what a history may still take in, an
 process: less than the smallest leak there is, one Python object for each sample, which has 16 bytes and its place in a
 list. The readings have pages of 4 kB, and an allocator keeps some of what was freed: that is `_NOISE`. Two processes
 have buffers that may be empty or full when they are read, `_BUFFERS`: the plant 1000 messages of truth of up to 2 kB,
-the recorder a chunk of 1 MB of the bag and its copy on the way to the disk.
+the recorder a chunk of 1 MB of the bag and its copy on the way to the disk, and what comes within `_AWAY` while a busy
+machine gives it no turn.
 """
 
 import pytest
@@ -15,12 +16,15 @@ from soaking import soak
 _LEAK = 24.0  # bytes a sample
 _NOISE = 0.5  # MB
 _BUFFERS = {'plant_sim': 2.0, 'recorder': 2.0}  # MB
+_AWAY = 1.0  # s
 
 
 def check(found):
     """What holds on any machine."""
     outcome = found.outcome
     limit = _NOISE + _LEAK * outcome['samples'] / 2**20
+    coming = max(found.speed) * outcome['bag'] / outcome['samples'] / 2**20
+    buffers = _BUFFERS | {'recorder': _BUFFERS['recorder'] + _AWAY * coming}
     assert outcome['success'], outcome['message']
     assert outcome['lost'] == 0
     assert len(found.processes) >= 4
@@ -29,11 +33,10 @@ def check(found):
         print(name, growth)
         assert last.descriptors == first.descriptors, name
         assert last.shared == 0, name
-        assert growth.grown < limit + _BUFFERS.get(name, 0.0), name
+        assert growth.grown < limit + buffers.get(name, 0.0), name
 
 
 @pytest.mark.usefixtures('domain')
-@pytest.mark.long
 def test_a_short_run_in_lockstep_does_not_grow(tmp_path):
     """One strut at 50 Hz, 3000 samples; the last history is full after 2000."""
     settings = ['duration=60', 'rig.acquisition.sample_rate=50', 'analysis={}']
