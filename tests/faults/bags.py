@@ -7,8 +7,14 @@ from itertools import pairwise
 from rosbags.highlevel import AnyReader, AnyReaderError
 from satvib_bringup.recorder.salvage import is_finished, salvage
 
-_LEAST = 50  # messages of a topic, a quarter of a second
-_TOPICS = ('acceleration', 'voltage', 'controller_state', 'truth')
+# messages of a topic, a quarter of a second
+_LEAST = {'acceleration': 50, 'voltage': 50, 'controller_state': 5, 'truth': 5}
+_HEAD = 50_000  # bytes; schemas and channels are shorter
+
+
+def holds_messages(bag):
+    """Whether messages are in a bag that is being written."""
+    return any(path.stat().st_size > _HEAD for path in bag.glob('*.mcap'))
 
 
 def complaints(bag):
@@ -17,6 +23,8 @@ def complaints(bag):
     The truth goes past the fault node: each of its messages begins where the one before ended, or the recorder has lost
     some. A stranger repeats one that was there, and a second plant begins with 0.
     """
+    if not bag.is_dir():
+        return [f'{bag.name} is not there']
     if not is_finished(bag):
         salvage(bag, {})
     counts, truth = {}, []
@@ -31,8 +39,8 @@ def complaints(bag):
                 truth.append((message.sequence, message.samples))
     found = [
         f'{bag.name} has {counts.get(f"/strut_1/{topic}", 0)} of {topic}'
-        for topic in _TOPICS
-        if counts.get(f'/strut_1/{topic}', 0) < (_LEAST if topic != 'truth' else 5)
+        for topic, least in _LEAST.items()
+        if counts.get(f'/strut_1/{topic}', 0) < least
     ]
     own = []
     for k, count in truth:

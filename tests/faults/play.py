@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from bags import complaints
+from bags import complaints, holds_messages
 from faults import RATE, Fault, Mangle, Must, Restart, Second, Stall, Stranger
 from processes import of_folder, shared_memory
 from satvib_common.phases import Phase, PhasePlan
@@ -198,6 +198,10 @@ class Scene:
                 self.begin(act.node)
                 if fault.must is Must.ZERO:
                     self.probe.wait(lambda: strut.state() is Applied.APPLIED)
+                if act.node == 'recorder':
+                    # a busy machine may need longer for its start than the graph has left
+                    bag = self.bags[-1]
+                    self.probe.wait(lambda: holds_messages(bag) or self.plant_has_ended())
                 return begin, strut.k
             case Second(node='controller'):
                 answers = len(strut.voltages)
