@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import NDArray
 from satvib_common.phases import Phase
 
@@ -85,13 +86,11 @@ def figure(path: Path, rows: int, columns: int = 1, **options: Any) -> Iterator[
 
 
 def plain_ticks(axes: Iterable[Axes]) -> None:
-    """Frequencies as plain numbers, at 1, 2 and 5 of each decade."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
+    """Frequencies as plain numbers, at 1, 2 and 5 of each decade, and nothing between: each tick costs 3 ms."""
     for ax in axes:
         ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f'{value:g}'))
-        ax.xaxis.set_minor_formatter(NullFormatter())
+        ax.xaxis.set_minor_locator(NullLocator())
 
 
 def legend(drawn: Figure, axes: Iterable[Axes], columns: int = 6) -> None:
@@ -109,6 +108,8 @@ def log_scale(axes: Axes, decades: float) -> None:
     top = max((float(np.nanmax(v)) for v in values if np.any(v > 0.0)), default=0.0)
     if top > 0.0:
         axes.set_yscale('log')
+        # ticks between decades say nothing here, and each costs 3 ms
+        axes.yaxis.set_minor_locator(NullLocator())
         axes.set_ylim(top * 10.0**-decades, 3.0 * top)
 
 
