@@ -513,3 +513,31 @@ def test_a_schedule_from_a_stranger_changes_nothing(start, probe):
             seen = len(states)
             probe.wait(lambda seen=seen: len(states) >= seen + 50)
     stranger.destroy_node()
+
+
+def test_a_schedule_of_another_rate_ends_no_controller_that_acts(start, probe):
+    """Also without a schedule: one message from a stranger would be 0 V until somebody comes.
+
+    Truth: the rule of `ScheduleGate`; 100 more samples are answered. Before the first sample the same message ends it,
+    because then it was started wrongly.
+    """
+    from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage
+
+    controller = start(*CONTROLLER, '/strut_1', sample_rate=200.0, control_at_start=True)
+    samples = probe.publisher(StrutAcceleration, '/strut_1/acceleration')
+    held = probe.collect(VcaVoltage, '/strut_1/voltage')
+    out = probe.publisher(Schedule, '/schedule')
+    probe.wait(lambda: out.get_subscription_count() == samples.get_subscription_count() == 1)
+
+    def answered(k):
+        samples.publish(StrutAcceleration(sequence=k, sample_period=0.005))
+        probe.wait(lambda: any(v.sequence == k for v in held[-9:]))
+
+    for k in range(20):
+        answered(k)
+    out.publish(schedule(rate=100.0))
+    samples.publish(StrutAcceleration(sequence=20, sample_period=0.01))
+    for k in range(20, 120):
+        answered(k)
+    probe.wait(lambda: controller.said.count('refused: ') >= 1)
+    assert controller.popen.poll() is None

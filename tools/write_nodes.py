@@ -94,7 +94,7 @@ NODES = (
         'Answers every acceleration sample of its strut with a coil voltage. `~/hold` means 0 V for a while, '
         '`~/release` ends that.',
         'The reason why the law does not act or is at fault; else phase, law and counts.',
-        'A message of another sample rate (2); a schedule of another rate before a run (2). It goes on when the plant '
+        'A sample or a schedule of another rate before it acts (2). It goes on when the plant '
         'ends.', {},
     ),
     Entry(

@@ -5,7 +5,7 @@
 | schedule | before a run | while a run is on |
 |---|---|---|
 | malformed (unknown phases, disorder, absurd numbers) | refused | refused |
-| another rate or other struts than the node has | `SatvibError`: the node was started wrongly | refused |
+| another rate or other struts than the node has | `SatvibError`, a wrong start; if it acts: refused | refused |
 | the plan in force, again | taken | taken |
 | another plan, no publisher is new since the run's own plan | taken | taken |
 | another plan, a publisher is new, an old one is still there | refused | refused |
@@ -42,6 +42,7 @@ class ScheduleGate:
         running: whether a run is on now.
         quiet: whether no sample has come for a while: a new run may begin then. A node that is the source of the
             samples is never quiet.
+        acts: whether the node works now, with a schedule or without one; not given: while a run is on.
     """
 
     def __init__(
@@ -52,9 +53,11 @@ class ScheduleGate:
         running: Callable[[], bool],
         struts: Sequence[str] = (),
         quiet: Callable[[], bool] = lambda: False,
+        acts: Callable[[], bool] | None = None,
     ) -> None:
         self._node, self._topic, self._rate = node, node.resolve_topic_name(topic), rate
         self._running, self._struts, self._quiet = running, list(struts), quiet
+        self._acts = acts or running
         self._plan: PhasePlan | None = None
         self._publishers: set[bytes] = set()
         self._foreign: PhasePlan | None = None
@@ -76,7 +79,7 @@ class ScheduleGate:
         try:
             self._check_fit(message)
         except SatvibError as error:
-            if not running:
+            if not self._acts():
                 raise
             self._refuse(error)
             return None

@@ -62,14 +62,14 @@ class ControllerNode(SatvibNode[P]):
         self.offer('release')
         self.plan: PhasePlan | None = None
         self.patient_until = time.monotonic() + _PATIENCE
-        rate, on, quiet = self.parameters.sample_rate, self.run_is_on, self.is_quiet
-        self.gate = ScheduleGate(self, self.shared('schedule'), rate, on, quiet=quiet)
-        self.fit = Fit(self, rate, self.run_is_on)
+        rate, on, acts = self.parameters.sample_rate, self.run_is_on, self.is_acting
         self.last: ControllerOutput | None = None
-        self.voltages = [blank(VcaVoltage) for _ in struts]
-        self.voltage_out = [self.publish_on(VcaVoltage, f'{name}voltage') for _, name in struts]
         names = [name for _, name in struts]
+        self.voltages = [blank(VcaVoltage) for _ in names]
+        self.voltage_out = [self.publish_on(VcaVoltage, f'{name}voltage') for name in names]
         self.report = StateReport(self.publish_on, names, self.places, 1)
+        self.fit, quiet = Fit(self, rate, acts), self.report.is_quiet
+        self.gate = ScheduleGate(self, self.shared('schedule'), rate, on, quiet=quiet, acts=acts)
         self.sources = SourceWatch(self, names)
         self.changes = ChangeLog(self.get_logger(), self.places, self.sources.latched)
         topic, expected = f'{names[0]}acceleration', lambda: self.plan is not None
@@ -174,9 +174,9 @@ class ControllerNode(SatvibNode[P]):
             plan is not None and last is not None and (not plan.end or last.sequence < plan.end - 1)
         )
 
-    def is_quiet(self) -> bool:
-        """Whether no sample was answered for a while."""
-        return self.report.is_quiet()
+    def is_acting(self) -> bool:
+        """Whether it answers samples, in a run or without a schedule."""
+        return self.run_is_on() or (self.last is not None and not self.report.is_quiet())
 
     def answer(
         self,
