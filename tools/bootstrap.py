@@ -19,4 +19,5 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from workspace.steps import prepare
 
 if __name__ == '__main__':
-    sys.exit(prepare(*sys.argv[1:2]))
+    # a help text computes nothing
+    sys.exit(prepare(*sys.argv[1:2]) if '--help' not in sys.argv else prepare('--help'))

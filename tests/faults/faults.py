@@ -251,7 +251,8 @@ def _stranger(topic: str, mangling: Mangling, count: int = 500, rate: float = 10
 TWO_SOURCES = 'two sources of samples'
 STRANGERS = (
     Fault(
-        'a stranger: voltages of 1e300 V for samples that are answered', _stranger('voltage', Mangling(put={'voltage': HUGE}), 10),
+        'a stranger: voltages of NaN and 1e300 V, for answered samples',
+        _stranger('voltage', Mangling(put={'voltage': HUGE}), 10),
         Must.STEADY,
     ),
     Fault(

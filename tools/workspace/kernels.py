@@ -53,6 +53,7 @@ class Kernels:
         self._errors: list[SetupError] = []
         self._workers: list[subprocess.Popen[str]] = []
         self._stamps: list[Path] = []
+        self._quarters = 0  # of the work, that have been told
         if need is Need.NOTHING:
             return
         self._wanted = digest(compiled_sources(), environment.STAMP.read_text(), str(ROOT))
@@ -114,11 +115,18 @@ class Kernels:
                 if not worker.stdout.readline():
                     break
                 plan.done(task)
+                self._tell(plan)
         with contextlib.suppress(BrokenPipeError):
             worker.stdin.close()
         if code := worker.wait():
             self._errors.append(failed(name, code, path))
             plan.cancel()
+
+    def _tell(self, plan: Plan) -> None:
+        quarters = int(4 * plan.share)
+        if self._quarters < quarters < 4:
+            self._quarters = quarters
+            say(f'compiling the numerical kernels: {25 * quarters} % of the modules')
 
 
 def start_worker(log: int) -> subprocess.Popen[str]:

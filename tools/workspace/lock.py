@@ -4,9 +4,15 @@
 
 import contextlib
 import fcntl
+import time
 from collections.abc import Iterator
+from typing import TextIO
 
 from workspace.base import CACHE, INHERITED, say
+
+_LOOK = (
+    2.0  # s; every command looks whether something is missing, and holds the lock for that moment
+)
 
 
 @contextlib.contextmanager
@@ -18,9 +24,7 @@ def alone() -> Iterator[None]:
     """
     CACHE.mkdir(exist_ok=True)
     with (CACHE / 'lock').open('w') as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+        if not _is_free(lock):
             say('another set-up is at work here; waiting for it')
             fcntl.flock(lock, fcntl.LOCK_EX)
         INHERITED[:] = [lock.fileno()]
@@ -28,3 +32,14 @@ def alone() -> Iterator[None]:
             yield
         finally:
             INHERITED.clear()
+
+
+def _is_free(lock: TextIO) -> bool:
+    """Take the lock, unless another one holds it for longer than a look takes."""
+    until = time.monotonic() + _LOOK
+    while time.monotonic() < until:
+        with contextlib.suppress(BlockingIOError):
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            return True
+        time.sleep(0.05)
+    return False

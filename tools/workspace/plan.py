@@ -49,7 +49,7 @@ class Plan:
 
     def __init__(self, after: Mapping[str, set[str]], weight: Mapping[str, float]) -> None:
         self._after = {task: set(before) & set(after) - {task} for task, before in after.items()}
-        self._weight = weight
+        self._weight, self._count = weight, len(self._after)
         self._at_work: set[str] = set()
         self._changed = threading.Condition()
 
@@ -76,6 +76,12 @@ class Plan:
             for before in self._after.values():
                 before.discard(task)
             self._changed.notify_all()
+
+    @property
+    def share(self) -> float:
+        """Share of the tasks that are done, 0 to 1."""
+        with self._changed:
+            return 1.0 - len(self._after) / max(self._count, 1)
 
     def cancel(self) -> None:
         """Take all that is left from the workers."""
