@@ -14,6 +14,7 @@ setup(
             'sweeps/*.yaml',
             'campaigns/*.yaml',
             'comparison/*.yaml',
+            'isolation/*.yaml',
             'campaign/report/*.html',
         ]
     },

@@ -16,7 +16,6 @@ from satvib_bringup.cli.commands import (
     bench,
     campaign,
     compare,
-    frf,
     identify,
     listing,
     report,
@@ -27,6 +26,7 @@ from satvib_bringup.cli.commands import (
     tune,
 )
 from satvib_bringup.cli.commands.graph import node, policy, topics, watch
+from satvib_bringup.cli.commands.isolator import frf, judge
 from satvib_bringup.cli.last_resort import EXIT_CODE, is_switched_off, last_resort, show
 
 app = typer.Typer(
@@ -43,6 +43,7 @@ app.command('simulate', short_help='Run a scenario in this process.')(simulate.s
 app.command('report', short_help='Report a recorded run.')(report.report)
 app.command('identify', short_help='Identify a model of a record.')(identify.identify)
 app.command('frf', short_help='Measure frequency responses.')(frf.frf)
+app.command('judge', short_help='Judge laws as isolators.')(judge.judge)
 app.command('study', short_help="Which signal identifies the paper's model.")(study.study)
 app.command('table', short_help='Laws on rigs under disturbances, as tables.')(table.table)
 app.command('campaign', short_help='Run thousands of drawn trials.')(campaign.campaign)

@@ -64,7 +64,7 @@ def law_feedback(recording: Recording, frequency: Array) -> Complex | None:
     if isinstance(law, ModelReference):
         own = _pid(recording, omega, p.velocity_corner)
         return None if own is None else np.asarray(own[:, :, None] * np.eye(struts))
-    if not (isinstance(law, BasicLaw) and law.fixed_filter):
+    if not (isinstance(law, BasicLaw) and law.fixed_filter and recording.has('model', 'a')):
         return None
     _give_model(law, recording)
     own = law.response(np.broadcast_to(omega, (struts, omega.size)))

@@ -80,37 +80,45 @@ class MeasurementSettings(Schema):
         return high
 
 
-def base_scenario(scenario: Scenario, settings: MeasurementSettings, law: str = '') -> Scenario:
+def base_scenario(
+    scenario: Scenario,
+    settings: MeasurementSettings,
+    law: str = '',
+    loops: tuple[str, ...] = ('open', 'closed'),
+) -> Scenario:
     """Give the experiment that moves the base, open and closed loop.
 
     Args:
         scenario: whose rig, identification and law are measured.
         settings: see `MeasurementSettings`.
         law: in the place of the scenario's.
+        loops: the stretches that are measured: 'open', 'closed' or both. One alone begins when the base does.
 
     Raises:
         SatvibError: a band that rig and signal do not have.
     """
     s, rig = settings, scenario.load_rig()
     phases, now = _before_control(scenario)
-    open_from = now + s.settle
-    control = open_from + s.duration
-    closed_from = control + s.settle
-    end = closed_from + s.duration
+    steps, end = [*phases], now
+    spans: dict[str, Any] = {}
+    for loop, phase, window in (
+        ('open', 'STANDBY', 'uncontrolled'),
+        ('closed', 'CONTROL', 'controlled'),
+    ):
+        if loop in loops:
+            steps.append(PhaseStep(phase=phase, start=end))
+            spans[window] = (end + s.settle, end + s.settle + s.duration)
+            end = spans[window][1]
     changes: dict[str, Any] = {'watch_loudness': _NEVER} | ({'law': law} if law else {})
     return scenario.replace(
         name=f'{scenario.name}_measure',
-        description=f'Frequency responses of {scenario.name}: {s.signal} on the base, open and closed loop.',
+        description=f'Frequency responses of {scenario.name}: {s.signal} on the base, {" and ".join(loops)} loop.',
         duration=end,
-        phases=(
-            *phases,
-            PhaseStep(phase='STANDBY', start=now),
-            PhaseStep(phase='CONTROL', start=control),
-        ),
-        disturbance=_base_signal(s, rig, now, (open_from, closed_from)),
+        phases=tuple(steps),
+        disturbance=_base_signal(s, rig, now, tuple(span[0] for span in spans.values())),
         failures=(),
         controller=scenario.controller | changes,
-        analysis=AnalysisSettings(uncontrolled=(open_from, control), controlled=(closed_from, end)),
+        analysis=AnalysisSettings(**spans),
     )
 
 

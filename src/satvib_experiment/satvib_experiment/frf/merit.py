@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an isolator is judged by, from a measured transmissibility: peak, where isolation begins, roll-off."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,12 +39,12 @@ class Merit:
 def merit_of(measured: FrequencyResponse) -> Merit | None:
     """Give the figures of a response (f,); None without a line of coherence 0.5."""
     f, size = measured.frequency, measured.decibels
-    trusted = np.asarray((measured.coherence >= TRUSTED) & np.isfinite(size))
+    trusted = _trusted(measured)
     if not trusted.any():
         return None
     peak = int(np.flatnonzero(trusted)[np.argmax(size[trusted])])
     begins = _isolation(f, size, trusted)
-    slope = _roll_off(measured, trusted, begins) if begins is not None else None
+    slope = roll_off(measured, BEYOND * begins) if begins is not None else None
     return Merit(
         peak=float(size[peak]),
         peak_frequency=float(f[peak]),
@@ -53,6 +54,10 @@ def merit_of(measured: FrequencyResponse) -> Merit | None:
         roll_off_to=slope[2] if slope else None,
         coherence=float(np.median(measured.coherence[np.isfinite(measured.coherence)])),
     )
+
+
+def _trusted(measured: FrequencyResponse) -> Mask:
+    return np.asarray((measured.coherence >= TRUSTED) & np.isfinite(measured.decibels))
 
 
 def _isolation(f: Array, size: Array, trusted: Mask) -> float | None:
@@ -68,12 +73,20 @@ def _isolation(f: Array, size: Array, trusted: Mask) -> float | None:
     return float(np.exp((1.0 - share) * np.log(at[last]) + share * np.log(at[last + 1])))
 
 
-def _roll_off(
-    measured: FrequencyResponse, trusted: Mask, begins: float
+def roll_off(
+    measured: FrequencyResponse, low: float, high: float = math.inf
 ) -> tuple[float, float, float] | None:
-    """Slope of the level over the decades of frequency, by weighted least squares."""
+    """Give the slope of the level over the decades of frequency, by weighted least squares.
+
+    Args:
+        measured: the response.
+        low, high: Hz, between which it is fitted where the coherence is at least 0.5.
+
+    Returns:
+        dB per decade, and the first and the last frequency that were used, Hz; None for too few lines.
+    """
     f = measured.frequency
-    use = trusted & (f >= BEYOND * begins)
+    use = _trusted(measured) & (f >= low) & (f <= high)
     if use.sum() < LEAST or f[use][-1] < 1.5 * f[use][0]:
         return None
     with np.errstate(invalid='ignore'):

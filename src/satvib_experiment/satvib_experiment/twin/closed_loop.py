@@ -19,7 +19,7 @@ trial has the bits of its single run.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -161,17 +161,21 @@ def simulate(scenario: Scenario, progress: Progress | None = None) -> Recording:
 
 
 def simulate_batch(
-    scenarios: Sequence[Scenario], progress: Progress | None = None, truth: bool = True
+    scenarios: Sequence[Scenario],
+    progress: Progress | None = None,
+    truth: bool = True,
+    keep: Collection[str] | None = None,
 ) -> list[Recording]:
     """Run scenarios as one batch; every recording equals that of `simulate`, bit for bit.
 
     The truth's fine samples are most of the memory: about 2 MB per trial and second at 4 kHz and three struts without
-    compression. With `truth` false they are left out.
+    compression. With `truth` false they are left out. `keep` names the groups, as in 'acceleration', or the fields,
+    as in 'truth.stroke', that are recorded; None: all of them.
 
     Raises:
         SatvibError: scenarios that cannot run as one batch.
     """
-    return _recorded(ClosedLoop(scenarios), progress, truth)
+    return _recorded(ClosedLoop(scenarios), progress, truth, keep)
 
 
 def simulate_open_loop(recording: Recording) -> Recording:
@@ -210,8 +214,13 @@ def simulate_open_loop(recording: Recording) -> Recording:
     )
 
 
-def _recorded(loop: ClosedLoop, progress: Progress | None, truth: bool = True) -> list[Recording]:
-    recorder = StepRecorder(loop.plan, loop.shape, loop.plant.dt, truth)
+def _recorded(
+    loop: ClosedLoop,
+    progress: Progress | None,
+    truth: bool = True,
+    keep: Collection[str] | None = None,
+) -> list[Recording]:
+    recorder = StepRecorder(loop.plan, loop.shape, loop.plant.dt, truth, keep)
     for step in loop.steps():
         recorder.add(step)
         if progress is not None:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -47,12 +47,19 @@ class StepRecorder:
         shape: () of one scenario, (trials,) of a batch.
         dt: s.
         truth: keep the fine samples of the truth.
+        keep: the groups ('acceleration') and fields ('truth.stroke') that are kept; None: all.
     """
 
     def __init__(
-        self, plan: PhasePlan, shape: tuple[int, ...], dt: float, truth: bool = True
+        self,
+        plan: PhasePlan,
+        shape: tuple[int, ...],
+        dt: float,
+        truth: bool = True,
+        keep: Collection[str] | None = None,
     ) -> None:
         self.plan, self.shape, self.dt, self.truth = plan, shape, dt, truth
+        self.keep = keep
         self._arrays: dict[tuple[str, str], NDArray[Any]] = {}
 
     def add(self, step: LoopStep) -> None:
@@ -67,6 +74,8 @@ class StepRecorder:
 
     def _put(self, k: int, group: str, figures: Mapping[str, Any]) -> None:
         for name, values in figures.items():
+            if not (self.keep is None or group in self.keep or f'{group}.{name}' in self.keep):
+                continue
             value = np.asarray(values)
             array = self._arrays.get((group, name))
             if array is None:

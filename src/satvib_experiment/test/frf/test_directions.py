@@ -7,7 +7,7 @@ import pytest
 from satvib_experiment.frf.curve import OPEN, TRANSMISSIBILITY
 from satvib_experiment.frf.how import base_directions
 from satvib_experiment.frf.measure import measure_recording, measure_scenario
-from satvib_experiment.frf.measurement import MeasurementSettings
+from satvib_experiment.frf.measurement import MeasurementSettings, base_scenario
 from satvib_experiment.frf.output import frf_mapping
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import simulate
@@ -95,3 +95,18 @@ def test_lines_that_are_too_far_apart_are_said():
     for resolution, said in ((5.0, True), (0.2, False)):
         notes = measure_recording(run, FrfSettings(resolution=resolution)).notes
         assert any('too far for the peaks' in note for note in notes) == said
+
+
+def test_one_stretch_alone_begins_with_the_base():
+    """Truth: the plan: the base moves from the end of CALIBRATE on, and is measured after it has settled."""
+    settings = MeasurementSettings(duration=9.0, period=3.0, settle=3.0)
+    scenario = load_scenario('hexapod_6dof', REST)
+    for loop, phase, window in (
+        ('open', 'STANDBY', 'uncontrolled'),
+        ('closed', 'CONTROL', 'controlled'),
+    ):
+        made = base_scenario(scenario, settings, loops=(loop,))
+        assert [(p.phase, p.start) for p in made.phases] == [('CALIBRATE', 0.0), (phase, 2.0)]
+        assert getattr(made.analysis, window) == (5.0, 14.0)
+        assert made.duration == 14.0
+        assert made.disturbance['start'] == 2.0

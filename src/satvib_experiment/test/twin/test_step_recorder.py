@@ -4,8 +4,10 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from satvib_experiment.recording.topics import TOPICS
+from satvib_experiment.twin.closed_loop import simulate_batch
 
 MESSAGES = Path(__file__).resolve().parents[3] / 'satvib_msgs' / 'msg'
 # what a message has besides the figures of its strut
@@ -31,3 +33,13 @@ def test_the_twin_records_the_fields_of_the_message(quick_run, group):
     of_the_machine = OF_THE_MACHINE | ({'bias_lower'} if group == 'model' else set())
     wanted = fields_of(TOPICS[group][1]) - OF_ALL_STRUTS - of_the_machine - PACKING
     assert set(quick_run.groups[group]) - {'present'} == wanted
+
+
+def test_only_what_is_asked_for_is_kept(quick_run):
+    """Truth: the run with everything, every bit of a group and of one field; nothing else is there."""
+    kept = simulate_batch([quick_run.scenario], keep=('acceleration', 'truth.stroke'))[0]
+    assert set(kept.groups) == {'acceleration', 'truth'}
+    assert set(kept.groups['truth']) == {'stroke', 'present'}
+    assert np.array_equal(kept.get('truth', 'stroke'), quick_run.get('truth', 'stroke'))
+    for name, values in quick_run.groups['acceleration'].items():
+        assert np.array_equal(kept.get('acceleration', name), values, equal_nan=True)

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from satvib_common.errors import SatvibError
+from satvib_common.files.suggestions import nearest
 from satvib_common.files.yaml_file import load_yaml
 from satvib_common.schema import Schema, param, shown
 from satvib_common.settings_text import change_settings
@@ -28,6 +29,8 @@ from satvib_plant_sim.rig.rig import Rig
 from satvib_studies.sweep.sweep import merged
 
 FILE = Path(__file__).parent / 'comparison.yaml'
+# the comparisons that come with the package, by name
+NAMED = {'schemes': 'comparison.yaml', 'hexapod': 'hexapod.yaml'}
 STREAM = 73
 _TRIAL = 30e3  # bytes of a trial in a batch, at least
 OPEN = 'open'  # what all schemes are measured against: 0 V
@@ -127,22 +130,44 @@ def replayable(comparison: Comparison, scheme: str, case: str, seed: int) -> Sce
     rig = scenario.load_rig()
     if not isinstance(rig, Rig):
         raise SatvibError(f'comparison {comparison.name}: {rig.name} has no struts to draw')
+    return scenario.replace(rig_overrides={**scenario.rig_overrides, **drawn_changes(rig, seed)})
+
+
+def drawn_changes(rig: Rig, seed: int) -> dict[str, Any]:
+    """Give the rig of a seed, `drawn_rig`, as changes of a scenario's rig."""
     drawn = drawn_rig(rig, seed)
-    changes = {
+    return {
         'struts.stiffness_scale': list(drawn.struts.stiffness_scale),
         'struts.damping': drawn.struts.damping,
         'coil.force_scale': list(drawn.coil.force_scale),
     }
-    return scenario.replace(rig_overrides={**scenario.rig_overrides, **changes})
 
 
-def load_comparison(path: Path | None = None, overrides: Sequence[str] = ()) -> Comparison:
-    """Load the comparison of the package, or one of a file; what `file` names in the keys of a scheme is beside it.
+def comparison_path(name_or_path: str | Path) -> Path:
+    """Give the file of a comparison of the package, or a path as it is.
+
+    Raises:
+        SatvibError: no such name.
+    """
+    text = str(name_or_path)
+    if text.endswith(('.yaml', '.yml')) or '/' in text:
+        return Path(text)
+    if text not in NAMED:
+        raise SatvibError(f'comparison {text!r}: no such comparison; {nearest(text, list(NAMED))}')
+    return Path(__file__).parent / NAMED[text]
+
+
+def load_comparison(
+    name_or_path: str | Path | None = None, overrides: Sequence[str] = ()
+) -> Comparison:
+    """Load a comparison: that of the package, another one by its name, or one of a file.
+
+    What `file` names in the keys of a scheme is beside that file.
 
     Raises:
         SatvibError: a wrong key, or a cell that is no scenario.
     """
-    file = path or FILE
+    file = FILE if name_or_path is None else comparison_path(name_or_path)
     data = load_yaml(file)
     if not isinstance(data, dict):
         raise SatvibError(f'{file}: a mapping of keys is expected')

@@ -186,3 +186,21 @@ def test_a_rig_of_one_strut_has_no_modes_to_compare():
     one = one.replace(base={**one.base, 'rig': 'paper_1dof'}, cases=cases, schemes=schemes)
     with pytest.raises(SatvibError, match='the payload of paper_1dof does not tilt'):
         run_comparison(one)
+
+
+def test_a_comparison_is_called_by_its_name():
+    """Truth: its cells are scenarios, the gains that it names are there; a wrong name is one line."""
+    six = load_comparison('hexapod')
+    assert six.name == 'hexapod'
+    assert six.scenario('lqg', 'nominal', 1).load_rig().struts.count == 6
+    assert load_comparison('schemes') == load_comparison()
+    with pytest.raises(SatvibError, match='did you mean hexapod'):
+        load_comparison('hexapd')
+
+
+def test_gains_of_a_comparison_are_those_of_the_scenario():
+    """Truth: both are what one search found."""
+    scenario = load_scenario('hexapod_6dof_centralized').centralized
+    compared = load_comparison('hexapod').scenario('centralized', 'nominal', 1).centralized
+    for name in ('gains_p', 'gains_i', 'gains_d'):
+        assert compared[name] == pytest.approx(scenario[name], rel=1e-5)

@@ -12,11 +12,11 @@ from satvib_bringup.cli.options import Folder, Settings
 
 def compare(
     file: Annotated[
-        Path | None,
+        str,
         typer.Argument(
-            help="YAML file of a comparison; the package's own if not given.", metavar='FILE'
+            help='schemes, hexapod, or the path of the YAML file of a comparison.', metavar='FILE'
         ),
-    ] = None,
+    ] = 'schemes',
     settings: Settings = None,
     page: Annotated[
         Path | None,
@@ -80,7 +80,8 @@ def compare(
         fill(page, made)
         figures = page.parent / 'figures'
         if figures.is_dir():
-            shutil.copy(target / 'comparison.png', figures / 'comparison.png')
+            name = 'comparison' if loaded.name == 'schemes' else f'comparison_{loaded.name}'
+            shutil.copy(target / 'comparison.png', figures / f'{name}.png')
     console.print(text, soft_wrap=True)
     trials = len(loaded.cases) * loaded.seeds
     console.print(
