@@ -105,7 +105,7 @@ class ProgressView:
 def result_table(result: dict[str, Any]) -> Table:
     """Give the table of attenuations of a run, from what result.json holds."""
     struts = result['struts']
-    kinds = [k for k in _KINDS if any(s['attenuation'][k] is not None for s in struts)]
+    kinds = _kinds(result)
     compared = any(s['reference'] is not None for s in struts)
     name = result['scenario'] or 'Unknown scenario'
     table = Table(title=f'{name}: attenuation in dB, negative is better')
@@ -130,6 +130,11 @@ def result_table(result: dict[str, Any]) -> Table:
     return table
 
 
+def _kinds(result: dict[str, Any]) -> list[str]:
+    """The attenuations that are known of any strut."""
+    return [k for k in _KINDS if any(s['attenuation'][k] is not None for s in result['struts'])]
+
+
 def _style(kind: str) -> str | None:
     return 'bold' if kind.startswith('true') else None
 
@@ -143,12 +148,13 @@ def show_shortfalls(console: Console, result: dict[str, Any]) -> None:
 def show_result(console: Console, result: dict[str, Any]) -> None:
     """Print the table of a run and what must be known about it.
 
-    What makes the run worthless comes first.
+    What makes the run worthless comes first. A run without any attenuation has no table.
     """
     show_shortfalls(console, result)
-    console.print(result_table(result))
-    if result['reference_source']:
-        console.print(f'to compare: {result["reference_source"]}', style='dim')
+    if _kinds(result):
+        console.print(result_table(result))
+        if result['reference_source']:
+            console.print(f'to compare: {result["reference_source"]}', style='dim')
     if sentence := line_of_sight(result):
         console.print(f'• {sentence}')
     for note in result['notes']:

@@ -17,6 +17,10 @@ _COLUMNS = {
 
 def show_frf(console: Console, mapping: dict[str, Any]) -> None:
     """Print what frf.json holds."""
+    for line in mapping['shortfalls']:
+        console.print(f'THE RECORDED RUN IS NO RESULT: {line}', style='bold red')
+    for line in mapping['warnings']:
+        console.print(f'WARNING: {line}', style='yellow')
     curves = mapping['curves']
     transmitted = [c for c in curves if c['quantity'] == 'transmissibility']
     paths = [c for c in curves if c['quantity'] == 'path']
@@ -50,8 +54,8 @@ def _transmissibility(curves: list[dict[str, Any]], source: str) -> Table:
             loop,
             _output(curve),
             _number(merit.get('peak'), 1, signed=True),
-            _number(merit.get('peak_frequency'), 2),
-            _number(merit.get('isolation_from'), 2),
+            _frequency(merit.get('peak_frequency')),
+            _frequency(merit.get('isolation_from')),
             _number(merit.get('roll_off'), 1),
             _coherence(curve),
             _deviation(curve),
@@ -134,7 +138,7 @@ def _coupling(coupling: dict[str, Any], inputs: list[str]) -> Table:
     table = Table(title='coupling: reading of a strut over that of the driven one, at its peak')
     table.add_column('reading')
     for strut, frequency in zip(struts, coupling['frequency'], strict=True):
-        table.add_column(f'{strut.replace("_", " ")}\n{frequency:.2f} Hz', justify='right')
+        table.add_column(f'{strut.replace("_", " ")}\n{_frequency(frequency)} Hz', justify='right')
     for strut, row in zip(struts, coupling['ratio'], strict=True):
         table.add_row(strut.replace('_', ' '), *(_number(value, 3) for value in row))
     return table
@@ -145,3 +149,8 @@ def _number(value: float | None, digits: int, signed: bool = False) -> str:
     if value is None:
         return _DASH
     return f'{value:+.{digits}f}' if signed else f'{value:.{digits}f}'
+
+
+def _frequency(value: float | None) -> str:
+    """Show a frequency in Hz with three digits that count; a dash for what is not known."""
+    return _DASH if value is None else f'{value:#.3g}'.rstrip('.')

@@ -97,6 +97,8 @@ def test_a_file_of_columns(satvib, tmp_path):
         (('soft_3dof', '--high', '150', '--duration', '30'), 'half the sample rate, 100 Hz'),
         (('nowhere',), "'nowhere': no such file, folder or scenario; known: clean_1dof_10hz"),
         (('soft_3dofs',), 'did you mean soft_3dof?'),
+        (('soft_4dof',), 'did you mean soft_3dof?'),
+        (('soft_4dof',), './satvib scenarios describes them'),
         (('no/where',), 'no/where: no such file or folder'),
         (('nowhere.csv',), 'nowhere.csv'),
         (('page.csv', '--input', 'a', '--output', 'b'), 'page.csv: is a PDF document'),
@@ -113,3 +115,43 @@ def test_what_is_wrong_is_one_line(satvib, tmp_path, arguments, said):
     assert code == 2
     assert err.count('\n') == 1
     assert said in err
+
+
+@pytest.mark.parametrize(
+    ('base', 'options', 'said'),
+    [
+        ('noise', ('--low', '2', '--high', '500'), '--high: 500 Hz is above half the sample rate'),
+        ('noise', ('--low', '500'), '--low: 500 Hz is above half the sample rate, 200 Hz'),
+        ('zero', (), 'base is 0 throughout'),
+        ('constant', (), 'base is 9.81 throughout'),
+        ('tone', (), 'base moves at 9 Hz only: no curve; excite it broadband'),
+    ],
+)
+def test_a_file_that_tells_nothing_is_one_line(satvib, tmp_path, base, options, said):
+    """Truth: the columns, 10 s at 400 Hz; the tone lies on a line of segments of 1 s."""
+    t = np.arange(4000) / 400.0
+    noise, own = np.random.default_rng(1).normal(size=(2, t.size))
+    kinds = {'noise': noise, 'zero': 0.0 * t, 'constant': 0.0 * t + 9.81,
+             'tone': np.sin(2 * np.pi * 9.0 * t) + 1e-2 * noise}  # fmt: skip
+    rows = np.column_stack([t, kinds[base], np.roll(np.sin(2 * np.pi * 9.0 * t) + own, 3)])
+    np.savetxt(tmp_path / 'log.csv', rows, '%.9g', ',', header='time,base,payload', comments='')
+    columns = ('--input', 'base', '--output', 'payload', '--resolution', '1')
+    code, _, err = satvib('frf', 'log.csv', *columns, *options)
+    assert (code, err.count('\n')) == (2, 1)
+    assert said in err
+
+
+def test_times_in_ms_are_warned_of_in_the_first_line(satvib, tmp_path, monkeypatch):
+    """Truth: 2.5 ms, written as 2.5; frequencies with three digits that count, of a peak below 0.2 Hz."""
+    monkeypatch.setattr(figures, 'draw_figures', lambda *_: ())
+    noise = np.random.default_rng(1).normal(size=2000)
+    late = np.convolve(noise, [0.2, 0.5, 0.3])[:2000]
+    rows = np.column_stack([2.5 * np.arange(2000), noise, late])
+    np.savetxt(tmp_path / 'log.csv', rows, '%.9g', ',', header='time,base,payload', comments='')
+    code, out, err = satvib('frf', 'log.csv', '--input', 'base', '--output', 'payload')
+    assert code == 0, err
+    first = ' '.join(out.split('\n')[:2]).replace('  ', ' ')
+    assert first.startswith('WARNING: a sample period of 2.5 s is long for accelerations')
+    assert '--sample-period 0.0025' in first
+    found = json.loads((tmp_path / 'runs/log-frf-001/frf.json').read_text())
+    assert f'{found["curves"][0]["merit"]["peak_frequency"]:#.3g}' in out

@@ -21,6 +21,7 @@ from satvib_common.records.units import ACCELERATION, VOLTAGE, Quantity, plain, 
 BLANK_SHARE = 0.5  # a text with this share of blank rows has them between all rows
 MISSING_SHARE = 0.5  # a record with more of its samples missing is refused
 PERIOD_TOLERANCE = 0.01
+LONG_PERIOD = 1.0  # s; accelerations are sampled faster, so the times have another unit
 
 
 class Column(NamedTuple):
@@ -49,12 +50,14 @@ class MeasuredColumns:
         dt: s.
         name: for people.
         notes: what should be known about the record, a line each.
+        warnings: what makes every frequency wrong if it is not meant, a line each.
     """
 
     values: Array
     dt: float
     name: str
     notes: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +111,8 @@ def column_record(
         Column('output', output_column, ACCELERATION, units[1]),
     ]
     found = read_columns(path, asked, period, time, reading, memory)
-    return MeasuredRecord(found.values[0], found.values[1], found.dt, None, found.name, found.notes)
+    notes = [*found.warnings, *found.notes]
+    return MeasuredRecord(found.values[0], found.values[1], found.dt, None, found.name, notes)
 
 
 @np.errstate(over='ignore', invalid='ignore')  # damaged bytes may be any number
@@ -154,12 +158,13 @@ def read_columns(
     values[:, where.place[kept]] = np.array(table.columns)[:, kept]
     if table.no_period and period is None and not where.period:
         raise SatvibError(f'{path}: {table.no_period}; give --sample-period')
-    dt = _sample_period(where, table, period, notes)
+    warnings: list[str] = []
+    dt = _sample_period(where, table, period, notes, warnings)
     _say_missing(table, path, kept, notes)
     _convert(values, asked, told, table, notes)
     for column, samples in zip(asked, values, strict=True):
         notes += check_signal(column.role, samples)
-    return MeasuredColumns(values, dt, path.name, notes)
+    return MeasuredColumns(values, dt, path.name, notes, warnings)
 
 
 def _say_missing(table: Table, path: Path, kept: Mask, notes: list[str]) -> None:
@@ -255,14 +260,18 @@ def _glued(table: Table, memory: int, notes: list[str]) -> Places:
     return Places(float(np.median(forward)) if len(forward) else 0.0, place, int(place[-1]) + 1)
 
 
-def _sample_period(where: Places, table: Table, told: float | None, notes: list[str]) -> float:
+def _sample_period(
+    where: Places, table: Table, told: float | None, notes: list[str], warnings: list[str]
+) -> float:
+    """Give the sample period, s: as it is told, else as the times say, else as the file does; say which."""
     unit = table.time_unit
     found = where.period * (unit or 1.0)
     if not found:
         found = table.period
         if told is None and not found:
-            notes.append('no time column: a sample counts as a second; give --sample-period')
+            warnings.append('no time column: a sample counts as a second; give --sample-period')
         elif told is None:
+            _warn_of_long(found, '', warnings)
             notes.append(f'sample period {found:.6g} s, as the file says')
         elif found and abs(found - told) > PERIOD_TOLERANCE * told:
             notes.append(
@@ -270,6 +279,8 @@ def _sample_period(where: Places, table: Table, told: float | None, notes: list[
             )
         return told or found or 1.0
     if told is None:
+        name = f' (or the unit in the name of the time column, as in {table.time_name} [ms])'
+        _warn_of_long(found, '' if unit else name, warnings)
         assumed = '' if unit else ', taken as seconds'
         notes.append(
             f'sample period {found:.6g} s from the time column {table.time_name!r}{assumed}'
@@ -283,3 +294,12 @@ def _sample_period(where: Places, table: Table, told: float | None, notes: list[
             'used'
         )
     return told
+
+
+def _warn_of_long(period: float, name: str, warnings: list[str]) -> None:
+    """Say that a sample period, s, is too long for accelerations; `name` of what says the unit."""
+    if period >= LONG_PERIOD:
+        warnings.append(
+            f'a sample period of {period:.4g} s is long for accelerations; if the times are in ms, give '
+            f'--sample-period {1e-3 * period:.4g}{name}'
+        )

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from satvib_common.arrays import Array, Integers
+from satvib_common.arrays import Array, Integers, Mask
 from satvib_common.levels import decibel, largest_known, mean_of_known, rms
 from satvib_common.phases import Phase
 
@@ -23,6 +23,8 @@ KINDS = ('measured_rms', 'measured_tone', 'true_rms', 'true_tone')
 _SETTLED = 3.0
 # before that share of its largest level the open loop is no baseline for an amplification
 _QUIET = 0.1
+# m/s^2 RMS: what is left of a run that nothing shakes is rounding, 1e-13 or less
+_SILENT = 1e-9
 
 
 @dataclass
@@ -30,7 +32,8 @@ class Evaluation:
     """Figures per strut; levels in m/s^2, attenuations in dB with negative better, NaN where unknown.
 
     Attributes:
-        windows: the stretches compared.
+        windows: the stretches compared; none without control where nothing shakes the payload in it.
+        at_rest: where nothing shakes the payload in the stretch under control (struts,): no attenuation there.
         frequencies: Hz, the tones fitted.
         levels: by window ('uncontrolled', 'controlled', 'open_loop') and kind (see `KINDS`), (struts,).
         attenuation: controlled against uncontrolled by kind, (struts,), Eq. (42).
@@ -58,6 +61,7 @@ class Evaluation:
     largest_amplification: Array
     largest_voltage: Array
     saturated_share: Array
+    at_rest: Mask
     clipped: dict[str, Integers]
     reference: tuple[float, ...] = ()
     reference_source: str = ''
@@ -78,6 +82,11 @@ def evaluate(recording: Recording, open_loop: Recording | None = None) -> Evalua
     onset = disturbance_onset(scenario.make_disturbance()) if scenario else 0.0
     tones = _tones(recording)
     windows = find_windows(recording, onset)
+    if windows.uncontrolled and _at_rest(open_loop or recording, windows.uncontrolled).all():
+        windows = Windows(None, windows.controlled)
+    at_rest = np.zeros(len(recording.struts), dtype=bool)
+    if windows.controlled and open_loop is not None:
+        at_rest = _at_rest(open_loop, windows.controlled)
     nothing = {kind: np.full(len(recording.struts), np.nan) for kind in KINDS}
     levels = {'uncontrolled': nothing, 'controlled': nothing, 'open_loop': nothing}
     if windows.uncontrolled:
@@ -89,20 +98,24 @@ def evaluate(recording: Recording, open_loop: Recording | None = None) -> Evalua
     before = 'uncontrolled' if windows.uncontrolled else 'open_loop'
     noise = _noise(recording)
     settling, amplification = _transient(recording, open_loop, windows, levels)
+    baseline = _audible(levels[before], at_rest)
     control = recording.phase == Phase.CONTROL
     return Evaluation(
         struts=recording.struts,
         windows=windows,
         frequencies=tuple(tones),
         levels=levels,
-        attenuation=_attenuation(levels['controlled'], levels[before]),
-        attenuation_open_loop=_attenuation(levels['controlled'], levels['open_loop']),
+        attenuation=_attenuation(levels['controlled'], baseline),
+        attenuation_open_loop=_attenuation(
+            levels['controlled'], _audible(levels['open_loop'], at_rest)
+        ),
         noise=noise,
-        floor=_floor(recording, noise, windows, levels[before], len(tones)),
-        settling_time=settling,
+        floor=_floor(recording, noise, windows, baseline, len(tones)),
+        settling_time=np.where(at_rest, np.nan, settling),
         largest_amplification=amplification,
         largest_voltage=_largest_voltage(recording),
         saturated_share=_share(recording, control),
+        at_rest=at_rest,
         clipped={sensor: _clipped(recording, sensor) for sensor in ('upper', 'lower')},
         reference=scenario.analysis.reference if scenario else (),
         reference_source=scenario.analysis.reference_source if scenario else '',
@@ -132,6 +145,22 @@ def _levels(recording: Recording, span: Span, tones: Sequence[float]) -> dict[st
         unknown = np.full(len(recording.struts), np.nan)
         result['true_rms'] = result['true_tone'] = unknown
     return result
+
+
+def _at_rest(recording: Recording, span: Span) -> Mask:
+    """Where the payload does not move in a stretch (struts,), by the truth where there is truth."""
+    window = recording.window(*span)
+    true = recording.has('truth', 'upper')
+    signal = fine(recording, window) if true else recording.get('acceleration', 'upper')[window]
+    return np.asarray(rms(signal) <= _SILENT)
+
+
+def _audible(level: dict[str, Array], at_rest: Mask) -> dict[str, Array]:
+    """Levels to compare with; NaN where nothing shakes the payload."""
+    return {
+        kind: np.where(at_rest | (level['true_rms'] <= _SILENT), np.nan, value)
+        for kind, value in level.items()
+    }
 
 
 def _attenuation(level: dict[str, Array], baseline: dict[str, Array]) -> dict[str, Array]:

@@ -166,7 +166,7 @@ def _missing(recording: Recording, evaluation: Evaluation) -> list[str]:
         )
     if evaluation.windows.controlled is None:
         sentences.append('The run has no stretch under control; there is nothing to compare.')
-    elif evaluation.windows.uncontrolled is None:
+    elif evaluation.windows.uncontrolled is None and not evaluation.at_rest.all():
         sentences.append(
             'The run has no stretch with the disturbance and without control; attenuation is '
             'against its open-loop twin.'

@@ -7,6 +7,7 @@ from satvib_common.arrays import Mask
 from satvib_common.phases import Phase
 from satvib_common.struts.applied import TEXTS, Applied
 
+from satvib_experiment.analysis.evaluation import Evaluation
 from satvib_experiment.recording.recording import Recording
 
 # share of all answers, and of all samples, that may be late
@@ -18,16 +19,47 @@ _LATE = {
 }
 
 
-def shortfalls(recording: Recording) -> list[str]:
+def shortfalls(recording: Recording, evaluation: Evaluation | None = None) -> list[str]:
     """Sentences about what makes a run worthless, the most important first; empty for a sound run.
 
-    A run without CONTROL, or with the law `off`, is not meant to attenuate anything.
+    A run with the law `off` is not meant to attenuate anything; nor is one without CONTROL whose scenario is not known.
+
+    Args:
+        recording: the run.
+        evaluation: its figures; None: whether anything shook the payload is not looked at.
     """
     control = recording.phase == Phase.CONTROL
     scenario = recording.scenario
-    meant = bool(control.any()) and not (scenario and scenario.controller.get('law') == 'off')
-    acted = [*_no_model(recording), *_no_voltage(recording, control)] if meant else []
-    return [*acted, *_late(recording)]
+    if scenario and scenario.controller.get('law') == 'off':
+        return _late(recording)
+    if not control.any():
+        return [*_no_control(recording), *_late(recording)]
+    shaken = _no_disturbance(evaluation) if evaluation else []
+    return [*shaken, *_no_model(recording), *_no_voltage(recording, control), *_late(recording)]
+
+
+def _no_control(recording: Recording) -> list[str]:
+    """Say that no sample was under control, where some were to be."""
+    begins = recording.plan.first_of(Phase.CONTROL)
+    if begins is not None:
+        at = begins * recording.sample_period
+        return [f'Nothing is under control: the recording has no sample of CONTROL, from {at:g} s.']
+    if recording.scenario is None:
+        return []
+    return [
+        'Nothing is under control: the scenario has no phase CONTROL (controller.law=off says that none is meant).'
+    ]
+
+
+def _no_disturbance(evaluation: Evaluation) -> list[str]:
+    """Say that nothing shook the payload while the law acted, as the open-loop twin shows."""
+    span = evaluation.windows.controlled
+    if span is None or not evaluation.at_rest.all():
+        return []
+    where = ''
+    if evaluation.windows.uncontrolled:
+        where = f' in the stretch under control, {span[0]:g} to {span[1]:g} s'
+    return [f'There was no disturbance{where}, so there is nothing to attenuate.']
 
 
 def _no_model(recording: Recording) -> list[str]:

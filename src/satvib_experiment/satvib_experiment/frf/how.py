@@ -20,6 +20,8 @@ from satvib_plant_sim.disturbance.reaction_wheel import ReactionWheel
 from satvib_plant_sim.disturbance.sweep import SteppedSine, Sweep
 from satvib_plant_sim.disturbance.tones import Multisine
 
+from satvib_experiment.frf.lines import measuring_lines
+
 _SETTLED = 0.5  # share of a step after which its steady state begins
 _INSIDE = 0.9  # share of the band of a sweep that is used, at either end
 _ENOUGH = 3  # periods that make a record periodic
@@ -114,7 +116,8 @@ def estimate(
     """Estimate the response from x to y, (..., t) each, with what fits.
 
     Raises:
-        SatvibError: the record is too short.
+        OnlyTones: the input moves at a few frequencies, and nothing says that it is a stepped sine.
+        SatvibError: the record is too short, or the input does not move.
     """
     if moved.steps:
         steps = [s for s in moved.steps if s[2] <= x.shape[-1]]
@@ -130,7 +133,7 @@ def estimate(
     found = averaged_response(x, y, dt, settings)
     if moved.low > 0.0:
         return found.between(moved.low, moved.high)
-    return found.between(*heard(x, dt, settings))
+    return measuring_lines(found, x, dt, settings)
 
 
 def heard(x: Array, dt: float, settings: FrfSettings) -> tuple[float, float]:

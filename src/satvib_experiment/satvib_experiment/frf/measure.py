@@ -2,19 +2,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures frequency responses: of a scenario by the offline twin, of a recorded run, of a measured record."""
 
+import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_common.records.record import MeasuredColumns
 from satvib_ident.frequency.settings import FrfSettings
 
+from satvib_experiment.analysis.shortfalls import shortfalls
+from satvib_experiment.analysis.tones import disturbance_tones
 from satvib_experiment.frf.curve import OPEN, PATH, TRANSMISSIBILITY, Curve
 from satvib_experiment.frf.how import Moved, estimate
+from satvib_experiment.frf.lines import OnlyTones
 from satvib_experiment.frf.measurement import MeasurementSettings, base_scenario, coil_scenario
 from satvib_experiment.frf.paths import coupling, secondary_paths
 from satvib_experiment.frf.transmission import (
@@ -40,6 +45,9 @@ class Measured:
         coupling: frequency of each coil and the matrix of ratios, None without paths.
         notes: what must be known, in sentences.
         title: of its figures.
+        shortfalls: why the recorded run is no result, in sentences; empty for a sound one.
+        highest: Hz, half the sample rate.
+        warnings: what must be known before all else, in sentences.
     """
 
     source: str
@@ -47,6 +55,9 @@ class Measured:
     coupling: tuple[list[float], Array] | None = None
     notes: list[str] = field(default_factory=list)
     title: str = ''
+    shortfalls: list[str] = field(default_factory=list)
+    highest: float = math.inf
+    warnings: list[str] = field(default_factory=list)
 
 
 def measure_scenario(
@@ -134,13 +145,28 @@ def measure_recording(
     Raises:
         SatvibError: nothing in it tells a frequency response.
     """
-    curves = transmissibilities(recording, settings, period)
-    curves += secondary_paths(recording, settings)
+    curves: list[Curve] = []
+    tonal: list[OnlyTones] = []
+    try:
+        curves += transmissibilities(recording, settings, period)
+    except OnlyTones as found:
+        scenario = recording.scenario
+        tones = disturbance_tones(scenario.make_disturbance()) if scenario else []
+        tonal.append(found.of('the base', tones))
+    try:
+        curves += secondary_paths(recording, settings)
+    except OnlyTones as found:
+        tonal.append(found.of('a coil'))
+    if tonal and not curves:
+        raise SatvibError(f'{recording.source}: {tonal[0]}')
     check_moved(curves, recording)
-    notes = [*recording.notes, *direction_notes(recording), *resolution_notes(curves)]
+    notes = [*map(str, tonal), *recording.notes]
+    notes += [*direction_notes(recording), *resolution_notes(curves)]
     notes += _reasons(recording, '')
     coupled = coupling(curves, _struts(curves))
-    return Measured(recording.source, curves, coupled, notes, recording.title)
+    worthless = shortfalls(recording)
+    highest = 0.5 / recording.sample_period
+    return Measured(recording.source, curves, coupled, notes, recording.title, worthless, highest)
 
 
 def measure_columns(
@@ -171,8 +197,22 @@ def measure_columns(
             )
     try:
         x, y = record.values
+        for name, signal in zip(names, (x, y), strict=True):
+            _check_moves(name, signal)
         found = estimate(x, y, record.dt, Moved(period=samples), settings)
+    except OnlyTones as error:
+        raise SatvibError(f'{record.name}: {error.of(names[0])}') from None
     except SatvibError as error:
         raise SatvibError(f'{record.name}: {error}') from None
     curve = Curve(PATH if path else TRANSMISSIBILITY, OPEN, names[1], names[0], found)
-    return Measured(record.name, [curve], None, list(record.notes), record.name)
+    notes = list(record.notes)
+    return Measured(
+        record.name, [curve], None, notes, record.name, [], 0.5 / record.dt, record.warnings
+    )
+
+
+def _check_moves(name: str, signal: Array) -> None:
+    """Refuse a channel that shows nothing."""
+    known = signal[np.isfinite(signal)]
+    if known.size and np.all(known == known[0]):
+        raise SatvibError(f'{name} is {known[0]:g} throughout')

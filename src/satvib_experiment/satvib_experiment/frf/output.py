@@ -94,6 +94,8 @@ def frf_mapping(
     source: str,
     notes: Sequence[str] = (),
     coupling: tuple[list[float], Array] | None = None,
+    shortfalls: Sequence[str] = (),
+    warnings: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Give what frf.json holds."""
     return {
@@ -101,6 +103,8 @@ def frf_mapping(
         'source': source,
         'curves': [plain_curve(curve) for curve in curves],
         'coupling': {'frequency': coupling[0], 'ratio': coupling[1].tolist()} if coupling else None,
+        'shortfalls': list(shortfalls),
+        'warnings': list(warnings),
         'notes': list(notes),
     }
 

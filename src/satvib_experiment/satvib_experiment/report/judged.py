@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an isolator is judged by in a report: amplification, line of sight, criteria for vibration."""
 
+import math
 from dataclasses import asdict
 from typing import Any
 
@@ -18,7 +19,7 @@ from satvib_experiment.analysis.bands import (
     power_lines,
     third_octaves,
 )
-from satvib_experiment.analysis.line_of_sight import line_of_sight
+from satvib_experiment.analysis.line_of_sight import ARC_SECONDS, line_of_sight
 from satvib_experiment.analysis.windows import Span
 from satvib_experiment.frf.curve import OPEN, Curve
 from satvib_experiment.frf.merit import merit_of
@@ -27,15 +28,22 @@ from satvib_experiment.recording.recording import Recording
 from satvib_experiment.recording.signals import fine, without_bias
 from satvib_experiment.report.context import Context
 
+_WORSE = 1.05  # times the tilt without control; two stretches of one vibration differ by less
+
 WINDOWS = ('uncontrolled', 'controlled', 'open_loop')
 
 
 def stretch(context: Context, name: str) -> tuple[Recording, Span] | None:
-    """Give the recording and the span in s of 'uncontrolled', 'controlled' or 'open_loop'; None without one."""
+    """Give the recording and the span in s of 'uncontrolled', 'controlled' or 'open_loop'; None without one.
+
+    An open loop in which nothing moves is none.
+    """
     windows = context.evaluation.windows
     if name == 'open_loop':
         twin = context.open_loop
-        return (twin, windows.controlled) if twin is not None and windows.controlled else None
+        if twin is None or windows.controlled is None or context.evaluation.at_rest.all():
+            return None
+        return twin, windows.controlled
     span = getattr(windows, name)
     return (context.recording, span) if span else None
 
@@ -115,6 +123,23 @@ def judged(context: Context) -> dict[str, Any]:
         'criteria': criteria,
         'transmissibility': amplification,
     }
+
+
+def worse_pointing(figures: dict[str, Any]) -> list[str]:
+    """Say that control makes the pointing worse; `figures` as `judged` gives them."""
+    sights = figures['line_of_sight']
+    before, words = sights['open_loop'], 'its open-loop twin in the same instants'
+    if not before:
+        before, words = sights['uncontrolled'], 'the stretch without control'
+    if not (before and sights['controlled']):
+        return []
+    kind = 'measured' if math.isnan(before['true']) else 'true'
+    level, baseline = (ARC_SECONDS * found[kind] for found in (sights['controlled'], before))
+    if not level > _WORSE * baseline:
+        return []
+    return [
+        f'Control makes the pointing worse: line of sight, {kind}, {level:.3g}" RMS beside {baseline:.3g}" of {words}.'
+    ]
 
 
 def _above(context: Context) -> float:

@@ -16,7 +16,7 @@ from satvib_experiment.analysis.evaluation import KINDS
 from satvib_experiment.analysis.shortfalls import shortfalls
 from satvib_experiment.report.comparison import plain
 from satvib_experiment.report.context import Context
-from satvib_experiment.report.judged import judged
+from satvib_experiment.report.judged import judged, worse_pointing
 from satvib_experiment.report.models import model_summary
 
 FORMAT = 'satvib result 1'
@@ -26,6 +26,7 @@ def result_mapping(context: Context) -> dict[str, Any]:
     """Give everything that the report says, as plain data; what is unknown is None."""
     recording, e = context.recording, context.evaluation
     scenario = recording.scenario
+    figures = judged(context)
     return _plain(
         {
             'format': FORMAT,
@@ -43,12 +44,12 @@ def result_mapping(context: Context) -> dict[str, Any]:
             'frequencies': e.frequencies,
             'sensor_noise': e.noise,
             'struts': [_strut(context, i) for i in range(len(context.struts))],
-            **judged(context),
+            **figures,
             'reference_source': e.reference_source or None,
             'lost': recording.lost(),
             'counts': recording.counts,
-            'shortfalls': shortfalls(recording),
-            'notes': e.notes,
+            'shortfalls': shortfalls(recording, e),
+            'notes': [*worse_pointing(figures), *e.notes],
             'comparison': plain(context.comparison) or None,
             'phases': [
                 {'phase': phase.name, 'start': start, 'end': end}

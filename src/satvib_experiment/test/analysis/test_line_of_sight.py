@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Line of sight, from strokes and from accelerations."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from satvib_experiment.analysis.line_of_sight import line_of_sight, tilt_matrix
+from satvib_experiment.analysis.line_of_sight import ARC_SECONDS, line_of_sight, tilt_matrix
+from satvib_experiment.report.judged import worse_pointing
 from satvib_plant_sim.rig.payload_shapes import payload_modes
 from satvib_plant_sim.rig.rig import load_rig
 
@@ -75,3 +77,25 @@ def test_the_noise_of_the_sensors_is_foretold(synthetic):
 def test_one_strut_does_not_tilt():
     """Truth: there is no tilt."""
     assert tilt_matrix(load_rig('paper_1dof')) is None
+
+
+@pytest.mark.parametrize(
+    ('open_loop', 'uncontrolled', 'said'),
+    [
+        (20.0, None, '43" RMS beside 20" of its open-loop twin'),
+        (None, 22.0, '43" RMS beside 22" of the stretch without control'),
+        (50.0, 22.0, ''),
+        (43.0, None, ''),
+        (None, None, ''),
+    ],
+)
+def test_worse_pointing_is_said(open_loop, uncontrolled, said):
+    """Truth: by hand; in the same instants the open loop counts, and a level alone says nothing."""
+    figures = {'controlled': 43.0, 'open_loop': open_loop, 'uncontrolled': uncontrolled}
+    sights = {
+        name: None if angle is None else {'true': angle / ARC_SECONDS, 'measured': math.nan}
+        for name, angle in figures.items()
+    }
+    found = ' '.join(worse_pointing({'line_of_sight': sights}))
+    assert bool(found) == bool(said)
+    assert said in found

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from satvib_common.struts.applied import TEXTS, Applied
+from satvib_experiment.analysis.evaluation import evaluate
 from satvib_experiment.analysis.shortfalls import shortfalls
 from satvib_experiment.scenario.scenario import load_scenario
 from satvib_experiment.twin.closed_loop import simulate
@@ -74,3 +75,22 @@ def test_late_answers_are_counted_against_all(sound, late, said):
     assert [
         f'{count} of {len(sound.sequence) * 3} voltages' in line for line in shortfalls(run)
     ] == [True] * said
+
+
+def test_a_disturbance_that_ends_before_control_is_none(sound):
+    """Truth: by hand. The open loop rests in the stretch under control; without control there was a vibration."""
+    rest = {name: np.zeros_like(array) for name, array in sound.groups['truth'].items()}
+    twin = replace(sound, groups=sound.groups | {'truth': rest})
+    assert shortfalls(sound, evaluate(sound, twin))[0].startswith('There was no disturbance')
+    found = evaluate(sound, sound)
+    found.at_rest[:] = True
+    (line,) = shortfalls(sound, found)
+    assert line.startswith('There was no disturbance in the stretch under control, 3.4 to 4 s')
+
+
+def test_control_that_was_not_recorded_is_said(sound):
+    """Truth: by hand; CONTROL begins at 3 s."""
+    short = replace(sound, sequence=sound.sequence[:100], groups={})
+    assert shortfalls(short) == [
+        'Nothing is under control: the recording has no sample of CONTROL, from 3 s.'
+    ]

@@ -32,7 +32,8 @@ def report(
     What is missing in the recording is said, and the rest is reported. A recording that was cut short is read as far as
     it goes; one with damaged bytes is refused without --recover.
 
-    Exit code 3: the run is no result (no trusted model, no voltage under control, more than 1 % late).
+    Exit code 3: the run is no result (no CONTROL, no disturbance, no trusted model, no voltage under control, more than
+    1 % late).
     """
     from satvib_experiment.recording.load import load_recording
     from satvib_experiment.report.build import refuse_existing, write_report

@@ -63,7 +63,8 @@ def run(
 
     Writes bag/, logs, scenario.yaml, report.html, result.json and figures/ into a new folder.
 
-    Exit code 3: the run is no result (no trusted model, no voltage under control, more than 1 % late).
+    Exit code 3: the run is no result (no CONTROL, no disturbance, no trusted model, no voltage under control, more than
+    1 % late).
     """
     _run(scenario, settings, folder, realtime, composition, watch=watch)
 

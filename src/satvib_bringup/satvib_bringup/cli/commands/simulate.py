@@ -14,7 +14,7 @@ def simulate(scenario: ScenarioName, settings: Settings = None, folder: Folder =
 
     Writes recording.npz, scenario.yaml, report.html, result.json and figures/ into a new folder.
 
-    Exit code 3: the run is no result (no trusted model, no voltage under control).
+    Exit code 3: the run is no result (no CONTROL, no disturbance, no trusted model, no voltage under control).
     """
     from satvib_experiment.analysis.twin_progress import TwinProgress
     from satvib_experiment.recording.run_folder import (

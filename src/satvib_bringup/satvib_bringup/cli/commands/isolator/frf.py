@@ -169,7 +169,10 @@ def frf(
             measured = _within(measured, low, high)
         target = free_run_folder(f'{path.resolve().stem}-frf', folder)
         make_run_folder(target)
-    mapping = frf_mapping(measured.curves, measured.source, measured.notes, measured.coupling)
+    mapping = frf_mapping(
+        measured.curves, measured.source, measured.notes, measured.coupling, measured.shortfalls,
+        measured.warnings,
+    )  # fmt: skip
     write_frf(measured.curves, mapping, target)
     show_frf(console, mapping)
     from satvib_experiment.frf.figures import draw_figures
@@ -220,7 +223,10 @@ def _is_scenario(source: str) -> bool:
     if path.exists() or path.suffix or '/' in source:
         return False
     if source not in names:
-        raise SatvibError(f'{source!r}: no such file, folder or scenario; {nearest(source, names)}')
+        raise SatvibError(
+            f'{source!r}: no such file, folder or scenario; {nearest(source, names)}; ./satvib '
+            'scenarios describes them'
+        )
     return True
 
 
@@ -294,6 +300,11 @@ def _within(measured: 'Measured', low: float | None, high: float | None) -> 'Mea
 
     from satvib_common.errors import SatvibError
 
+    for option, edge in (('--low', low), ('--high', high)):
+        if edge is not None and edge > measured.highest:
+            raise SatvibError(
+                f'{option}: {edge:g} Hz is above half the sample rate, {measured.highest:g} Hz'
+            )
     edges = (low or 0.0, high if high is not None else float('inf'))
     kept = []
     for curve in measured.curves:
