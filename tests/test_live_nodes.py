@@ -148,21 +148,20 @@ IN_THE_LOCK = """
 import os, signal, sys
 from satvib_ident.nodes.strut_identifier_node import main
 def hook(frame, event, _):
-    names = [frame.f_code.co_name]
-    while frame.f_back and len(names) < 3:
-        frame = frame.f_back
-        names.append(frame.f_code.co_name)
-    if event == 'call' and names == ['_pending', 'add_done_callback', 'spin']:
+    turns = frame.f_locals.get('self')
+    if event == 'call' and frame.f_code.co_name == 'take' and hasattr(turns, '_there'):
         sys.setprofile(None)
-        print('in the lock', flush=True)
-        os.kill(os.getpid(), signal.SIGTERM)
+        with turns._there:
+            print('in the lock', flush=True)
+            os.kill(os.getpid(), signal.SIGTERM)
+            sum(range(10000))
 sys.setprofile(hook)
 main()
 """
 
 
 def test_a_signal_ends_a_node_that_holds_a_lock(domain, tmp_path):  # noqa: ARG001
-    """Truth: the house rule. The signal comes while the main loop holds the lock of the future it is to wait for."""
+    """Truth: the house rule. The signal comes while the main thread holds the lock that waking takes."""
     from satvib_bringup.live.workspace import graph_environment
 
     done = subprocess.run(

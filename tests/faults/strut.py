@@ -180,9 +180,12 @@ class Strut:
         voltage, state = self.applied()
         asked = sorted((v.sequence, v.voltage) for v in self.voltages)
         numbers = np.array([k for k, _ in asked])
+        fresh = TIMEOUT * RATE  # samples; an older voltage is none, as `command_timeout` says
         for k, s in state.items():
             if s in {Applied.SILENT, Applied.WAITING, Applied.LATCHED}:
                 assert voltage[k] == 0.0
             elif s is Applied.RETURNING:
-                recent = [asked[i][1] for i in np.flatnonzero((numbers > k - 60) & (numbers <= k))]
+                recent = [
+                    asked[i][1] for i in np.flatnonzero((numbers > k - fresh) & (numbers <= k))
+                ]
                 assert any(abs(voltage[k]) <= abs(v) + 1e-12 for v in recent)

@@ -38,9 +38,13 @@ def check(found):
 
 @pytest.mark.usefixtures('domain')
 def test_a_short_run_in_lockstep_does_not_grow(tmp_path):
-    """One strut at 50 Hz, 3000 samples; the last history is full after 2000."""
-    settings = ['duration=60', 'rig.acquisition.sample_rate=50', 'analysis={}']
-    found = soak('paper_1dof_10hz', settings, tmp_path / 'soak', realtime=False, every=50)
+    """One strut at 50 Hz, 3000 samples, or as many as ten readings take; the last history is full after 2000."""
+    for minutes in (1, 3, 9):
+        settings = [f'duration={60 * minutes}', 'rig.acquisition.sample_rate=50', 'analysis={}']
+        folder = tmp_path / f'soak-{minutes}'
+        found = soak('paper_1dof_10hz', settings, folder, realtime=False, every=50 * minutes)
+        if found.processes:
+            break
     check(found)
 
 
