@@ -96,11 +96,9 @@ class Strut:
         self.samples = probe.collect(
             StrutAcceleration,
             f'{self.above}/strut_1/acceleration',
-            into=OfOneRun() if between else None,
+            into=OfOneRun() if between else Timed(),
         )
-        self.voltages = probe.collect(
-            VcaVoltage, f'{self.above}/strut_1/voltage', into=Timed() if between else None
-        )
+        self.voltages = probe.collect(VcaVoltage, f'{self.above}/strut_1/voltage', into=Timed())
         self.states = probe.collect(ControllerState, '/strut_1/controller_state')
         if not between:
             self.models = probe.collect(IirParameters, '/strut_1/identified_model')

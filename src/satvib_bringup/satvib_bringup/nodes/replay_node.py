@@ -106,7 +106,7 @@ class ReplayNode(SatvibNode[ReplayParameters]):
 
     def _on_model(self, message: IirParameters) -> None:
         self.followed = max(self.followed, message.sequence)
-        self.wake_up()
+        self.wake()
 
 
 def main() -> None:

@@ -191,7 +191,11 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
 
     def every(self, period: float, callback: Callable[[], None]) -> Timer:
         """Call back every `period` s of the steady clock while the node is configured."""
-        timer = self.create_timer(period, self.guarded_call(callback), clock=self._steady)
+        guarded = self.guarded_call(callback)
+        # what a timer has set off may come when it, and what it uses, has been destroyed
+        timer: Timer = self.create_timer(
+            period, lambda: guarded() if timer in self._timers_made else None, clock=self._steady
+        )
         self._timers_made.append(timer)
         return timer
 
@@ -235,18 +239,14 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
             self.ended = True
             self.exit_code = code
             self.last_line = line
-            self.wake_up()
+            self.wake()
 
     def interrupt(self) -> None:
         """End the process, asked by a signal: the main loop sees it at the end of its slice.
 
-        The main thread, which the signal interrupts, may hold the very lock that `wake_up` would take.
+        The main thread, which the signal interrupts, may hold the very lock that `wake` would take.
         """
         self.ended = True
-
-    def wake_up(self) -> None:
-        """Let the main loop call `tick` without waiting any longer."""
-        self.wake()
 
     def fail(self, error: Exception) -> None:
         """End the process with an error: 2 for what people must correct, 1 for a run that failed."""

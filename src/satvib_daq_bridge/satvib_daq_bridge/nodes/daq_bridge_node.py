@@ -47,7 +47,7 @@ class DaqBridgeNode(SatvibNode[BridgeParameters]):
     def configure(self) -> None:
         """Open the devices at 0 V and begin to read."""
         p = self.parameters
-        self.session = Session(p, self.wake_up, self.transitions.append, self.latched)
+        self.session = Session(p, lambda: self.wake(), self.transitions.append, self.latched)
         self.gate = ScheduleGate(
             self, 'schedule', p.sample_rate, lambda: self.bridge.running, self.bridge.struts
         )
