@@ -149,8 +149,14 @@ def test_the_second_of_two_schedules_is_refused(start, probe, reports):
     other = rclpy.create_node('other', context=probe.context)
     second = other.create_publisher(Schedule, '/schedule', first.qos_profile)
     probe.wait(lambda: second.get_subscription_count() == 1)
-    second.publish(plan(0))
-    probe.wait(lambda: 'refused: schedule: another one, from /other' in controller.said)
+
+    def is_named():
+        second.publish(
+            plan(0)
+        )  # again and again, for a publisher is found before its node has a name
+        return 'refused: schedule: another one, from /other' in controller.said
+
+    probe.wait(is_named)
     what = '2 publishers on schedule, only one is allowed: /other, /probe'
     probe.wait(lambda: what in reports('/strut_1/strut_controller')[1])
     assert what in controller.said
