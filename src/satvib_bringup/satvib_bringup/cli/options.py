@@ -39,3 +39,10 @@ Recover = Annotated[
         help='Bag, LVM, TDMS, WAV: read what can be read of one that is damaged or cut.',
     ),
 ]
+Jobs = Annotated[
+    int | None, typer.Option('--jobs', '-j', help='Processes; all cores if not given.', min=1)
+]
+Page = Annotated[
+    Path | None,
+    typer.Option('--page', help='Write the tables between the marks of this Markdown page, too.'),
+]

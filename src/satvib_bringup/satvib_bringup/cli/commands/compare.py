@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """`satvib compare`: the centralized against the decentralized scheme, when all is well and when things go wrong."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from satvib_bringup.cli.options import Folder, Settings
+from satvib_bringup.cli.options import Folder, Page, Settings
 
 
 def compare(
@@ -18,12 +17,7 @@ def compare(
         ),
     ] = 'schemes',
     settings: Settings = None,
-    page: Annotated[
-        Path | None,
-        typer.Option(
-            '--page', help='Write the tables between the marks of this Markdown page, too.'
-        ),
-    ] = None,
+    page: Page = None,
     folder: Folder = None,
 ) -> None:
     """Compare control schemes on the same rigs, disturbances and seeds, through failures and changes.

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from satvib_bringup.cli.options import Folder, Settings
+from satvib_bringup.cli.options import Folder, Jobs, Settings
 
 
 def table(
@@ -19,9 +19,7 @@ def table(
         typer.Option('--only', help='Keep the cells with this label; may be given many times.'),
     ] = None,
     settings: Settings = None,
-    jobs: Annotated[
-        int | None, typer.Option('--jobs', '-j', help='Processes; all cores if not given.', min=1)
-    ] = None,
+    jobs: Jobs = None,
     page: Annotated[
         list[Path] | None,
         typer.Option(

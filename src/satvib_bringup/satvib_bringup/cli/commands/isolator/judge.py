@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from satvib_bringup.cli.options import Folder, Settings
+from satvib_bringup.cli.options import Folder, Jobs, Page, Settings
 
 
 def judge(
@@ -26,15 +26,8 @@ def judge(
         typer.Option('--law', help='Judge this law alone; may be given many times.'),
     ] = None,
     settings: Settings = None,
-    jobs: Annotated[
-        int | None, typer.Option('--jobs', '-j', help='Processes; all cores if not given.', min=1)
-    ] = None,
-    page: Annotated[
-        Path | None,
-        typer.Option(
-            '--page', help='Write the tables between the marks of this Markdown page, too.'
-        ),
-    ] = None,
+    jobs: Jobs = None,
+    page: Page = None,
     folder: Folder = None,
 ) -> None:
     """Judge laws as isolators: payload over base under random motion, line of sight while a wheel runs up.
