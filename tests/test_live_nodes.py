@@ -239,7 +239,7 @@ def test_a_typing_mistake_is_pointed_out(start, probe):
 
 
 def test_another_sample_rate_is_refused(start, probe):
-    """Truth: 0.005 s is not 1 / 100 Hz."""
+    """Truth: 0.005 s is not 1 / 100 Hz. One message may be damaged; the second that says the same ends the node."""
     from satvib_msgs.msg import StrutAcceleration
 
     processes = [start(*CONTROLLER, '/strut_1'), start(*IDENTIFIER, '/strut_1')]
@@ -247,7 +247,34 @@ def test_another_sample_rate_is_refused(start, probe):
     probe.wait(lambda: out.get_subscription_count() == 2)
     out.publish(StrutAcceleration(sample_period=0.005))
     for process in processes:
+        probe.wait(lambda process=process: 'refused: strut_1 acceleration' in process.said)
+        assert process.popen.poll() is None
+    out.publish(StrutAcceleration(sample_period=0.005))
+    for process in processes:
         one_line(process, 2, 'strut_1 acceleration', 'sample_period', '0.005')
+
+
+def test_a_damaged_model_of_the_time_before_ends_no_controller(start, probe):
+    """A controller that is started again gets the newest models of the run, and one of them may be damaged.
+
+    Truth: the rule of `Fit`: one message that does not fit is refused; a second one that is wrong in another way, too.
+    """
+    from rclpy.duration import Duration
+
+    from satvib_msgs.msg import IirParameters
+
+    controller = start(*CONTROLLER, '/strut_1', sample_rate=200.0)
+    out = probe.publisher(IirParameters, '/strut_1/identified_model')
+    probe.wait(lambda: out.get_subscription_count() == 1)
+    good = {'a': [0.0], 'b': [1.0], 'covariance': [0.0] * 4, 'delay': 1}
+    for wrong in ({'sample_period': 1.28}, {'covariance': [0.0] * 3}, {'sample_period': math.nan}):
+        out.publish(IirParameters(**{'sample_period': 0.005, **good, **wrong}))
+    out.publish(IirParameters(sample_period=0.005, **good))
+    out.publish(IirParameters(**good, sample_period=math.nan))
+    assert out.wait_for_all_acked(Duration(seconds=30))
+    assert probe.state_of('/strut_1/strut_controller') == 'active'
+    assert 'refused: strut_1 identified_model: sample_period is 1.28 s' in controller.said
+    assert controller.popen.poll() is None
 
 
 def test_the_plant_refuses_a_voltage_that_is_no_number(start, probe):

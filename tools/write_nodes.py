@@ -94,7 +94,7 @@ NODES = (
         'Answers every acceleration sample of its strut with a coil voltage. `~/hold` means 0 V for a while, '
         '`~/release` ends that.',
         'The reason why the law does not act or is at fault; else phase, law and counts.',
-        'A sample or a schedule of another rate before it acts (2). It goes on when the plant '
+        'Two samples or a schedule of another rate before it acts (2). It goes on when the plant '
         'ends.', {},
     ),
     Entry(
@@ -115,7 +115,7 @@ NODES = (
         ('satvib_ident.parameters', 'IdentifierParameters'),
         'Estimates the model of its strut from acceleration and voltage.',
         'The first check of trust that the model fails; else counts.',
-        'A message of another sample rate (2).', {},
+        'Two samples or a schedule of another rate before its run (2).', {},
     ),
     Entry(
         'satvib_daq_bridge.nodes.daq_bridge_node', 'DaqBridgeNode', 'daq_bridge', '/',

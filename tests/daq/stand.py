@@ -42,6 +42,7 @@ class Stand:
         self.children = {}
         self.states = []
         self.latest = {}
+        self._reported = None
         self.node = None
 
     # ---- processes
@@ -173,8 +174,17 @@ class Stand:
             if status.name.endswith('daq_bridge'):
                 values = {v.key: v.value for v in status.values}
                 self.latest.update(values, level=status.level, message=status.message)
-                if 'before' in values:
-                    self.states.append((values['state'], values['reason']))
+                self._take_state((values['state'], values['reason']), change='before' in values)
+
+    def _take_state(self, found, change):
+        """A change of state; at first also a state that is reported: the change to it came before the stand did."""
+        if change and found != self._reported:
+            self.states.append(found)
+        elif not self.states and found[0] != 'UNCONFIGURED':
+            self.states.append(found)
+            self._reported = found
+        if change:
+            self._reported = None
 
     def until(self, condition, what, limit=LIMIT):
         """Take part in the graph until something holds."""

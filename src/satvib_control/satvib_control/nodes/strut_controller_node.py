@@ -11,7 +11,6 @@ from collections import deque
 
 import numpy as np
 from rclpy.qos import QoSProfile
-from satvib_common.errors import SatvibError
 from satvib_common.phases import PhasePlan
 from satvib_common.ros.delivery.endpoints import Input
 from satvib_common.ros.main import run_node
@@ -140,13 +139,9 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         self.proceed()
 
     def _on_model(self, message: IirParameters) -> None:
-        what = f'{self.strut} identified_model'
-        count = len(message.a) + len(message.b)
-        if not self.fit.takes(what, message.sample_period):
-            return
-        if len(message.covariance) != count * count:
-            found = f'{len(message.covariance)} covariances for {count} parameters'
-            self.fit.refuse(SatvibError(f'{what}: {found}'))
+        count, found = len(message.a) + len(message.b), len(message.covariance)
+        wrong = '' if found == count * count else f'{found} covariances for {count} parameters'
+        if not self.fit.takes(f'{self.strut} identified_model', message.sample_period, wrong):
             return
         self.sources.see_model(message.sequence, 'identified_model')
         self.core.know_biases(message.bias, message.bias_lower)
