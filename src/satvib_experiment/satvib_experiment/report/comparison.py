@@ -2,15 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The paper's experiment beside others: which law reaches what, on which acquisition, measured and in truth."""
 
-import multiprocessing
-import os
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.process.parallel import cores, run_in_processes
 from satvib_plant_sim.rig.rig import Acquisition
 
 from satvib_experiment.analysis.evaluation import Evaluation, evaluate
@@ -86,12 +83,22 @@ def simulated_row(name: str, settings: Sequence[str] = ()) -> Row:
 
 
 def simulated_rows(names: Sequence[str] = BESIDE, settings: Sequence[str] = ()) -> list[Row]:
-    """Run scenarios with the twin, in a process for each core."""
-    cores = len(os.sched_getaffinity(0))
-    # a process of its own from the beginning: this one may have threads of the middleware
-    method = multiprocessing.get_context('spawn')
-    with ProcessPoolExecutor(min(cores, len(names)), mp_context=method) as pool:
-        return list(pool.map(partial(simulated_row, settings=settings), names))
+    """Run scenarios with the twin, in a process for each core; the rows are in the order of the names.
+
+    Raises:
+        SatvibError: no such scenario, or one whose process dies each time.
+    """
+    # also one alone: this process may have threads of the middleware
+    rows = dict(
+        run_in_processes(
+            simulated_row,
+            lambda i: (names[i], settings),
+            range(len(names)),
+            cores(),
+            called=lambda i: f'scenario {names[i]}',
+        )
+    )
+    return [rows[i] for i in range(len(names))]
 
 
 def plain(rows: Sequence[Row]) -> list[dict[str, Any]]:

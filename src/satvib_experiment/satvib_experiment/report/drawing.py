@@ -17,6 +17,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from satvib_common.process.parallel import cores
+
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.figures.registry import FIGURES, Drawn, draw_figure, figure_module
 
@@ -34,9 +36,8 @@ class Drawing:
     """
 
     def __init__(self, count: int | None = None) -> None:
-        cores = len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else 1
         self._processes: list[subprocess.Popen[bytes]] = []
-        for _ in range(min(cores, MOST) if count is None else count):
+        for _ in range(min(cores(), MOST) if count is None else count):
             try:
                 self._processes.append(_start())
             except OSError:

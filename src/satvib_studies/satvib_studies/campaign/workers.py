@@ -10,23 +10,21 @@ from __future__ import annotations
 
 import contextlib
 import logging
-import os
 import platform
 import secrets
 from collections.abc import Iterator
 from typing import Any
 
 from satvib_common.errors import SatvibError
+from satvib_common.process.parallel import LIVES, cores, run_in_processes
 from satvib_experiment.report.result import versions
 
 from satvib_studies.campaign.batch import run_part
-from satvib_studies.campaign.processes import run_in_processes
 from satvib_studies.campaign.report.table import make_table, to_bytes
 from satvib_studies.campaign.store import Store
 from satvib_studies.campaign.trials import TrialPlan
 
-# workers that may be lost while they run one and the same part
-_LIVES = 5
+_SMALLER = 'make the parts smaller with chunk'
 _CONNECT = 10  # s
 _WORKERS = 30  # s
 
@@ -85,16 +83,11 @@ def run_parts(
             return plan.part(trials), trials.start, wanted
 
         count = min(workers or cores(), len(waiting))
-        yield from run_in_processes(run_task, arguments, waiting, count, _LIVES)
+        yield from run_in_processes(run_task, arguments, waiting, count, advice=_SMALLER)
         return
     with _client(scheduler) as client:
         _wait_for_workers(client, scheduler)
         yield from _distributed(client, plan, waiting)
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 def unprotected(scheduler: str) -> str:
@@ -120,7 +113,7 @@ def _client(scheduler: str) -> Iterator[Any]:
 
     _quiet()
     settings = {
-        'distributed.scheduler.allowed-failures': _LIVES,
+        'distributed.scheduler.allowed-failures': LIVES,
         'distributed.comm.timeouts.connect': f'{_CONNECT}s',
         'distributed.admin.tick.limit': '1h',
         'logging': {'distributed': 'critical', 'distributed.worker': 'critical'},
@@ -174,8 +167,8 @@ def _distributed(client: Any, plan: TrialPlan, waiting: list[int]) -> Iterator[t
                 data = future.result()
             except KilledWorker:
                 raise SatvibError(
-                    f'part {index}: {_LIVES} workers died while they ran it (memory?); make the '
-                    'parts smaller with chunk'
+                    f'part {index}: {LIVES} workers died while they ran it (too little memory?); '
+                    f'{_SMALLER}'
                 ) from None
             except (CancelledError, OSError) as error:
                 raise SatvibError(

@@ -2,16 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The runs of a judgement: for each law on each rig one batch of the offline twin for the base, one for the wheel."""
 
-import os
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
 
 import numpy as np
 from satvib_common.arrays import Array
 from satvib_common.phases import Phase
+from satvib_common.process.parallel import cores, run_in_processes
 from satvib_experiment.analysis.line_of_sight import ARC_SECONDS, line_of_sight
 from satvib_experiment.frf.curve import Curve
 from satvib_experiment.frf.transmission import transmissibilities
@@ -107,17 +105,20 @@ def run_isolation(
         jobs: processes; all cores if None. The results do not depend on it.
 
     Raises:
-        SatvibError: a scenario that is none.
+        SatvibError: a scenario that is none, or a law that cannot be measured because its process dies each time.
     """
     wanted = [(rig, law) for rig in rigs for law in (OPEN, *laws)]
-    jobs = min(jobs or os.cpu_count() or 1, len(wanted))
+    jobs = min(jobs or cores(), len(wanted))
     if jobs == 1:
         yield from (run_law(isolation, *each) for each in wanted)
         return
-    with ProcessPoolExecutor(jobs, mp_context=get_context('spawn')) as pool:
-        waiting = [pool.submit(run_law, isolation, *each) for each in wanted]
-        try:
-            for done in as_completed(waiting):
-                yield done.result()
-        finally:
-            pool.shutdown(cancel_futures=True)
+    done = run_in_processes(
+        run_law,
+        lambda i: (isolation, *wanted[i]),
+        range(len(wanted)),
+        jobs,
+        called=lambda i: 'rig {}, law {}'.format(*wanted[i]),
+        advice='fewer processes need less: --jobs 1',
+    )
+    for _, found in done:
+        yield found

@@ -17,12 +17,9 @@ label alone stands in `exceptions`, which win over all:
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from itertools import product
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +27,7 @@ import numpy as np
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
 from satvib_common.phases import Phase
+from satvib_common.process.parallel import cores, run_in_processes
 from satvib_common.schema import Schema, param
 from satvib_experiment.recording.recording import Recording
 from satvib_experiment.scenario.memory import check_needs
@@ -221,15 +219,16 @@ def run_sweep(cells: list[Cell], jobs: int | None = None) -> Iterator[tuple[int,
     Raises:
         SatvibError: a cell failed; it is named.
     """
-    jobs = min(jobs or os.cpu_count() or 1, len(cells))
+    jobs = min(jobs or cores(), len(cells))
     if jobs == 1:
         for index, cell in enumerate(cells):
             yield index, run_cell(cell)
         return
-    with ProcessPoolExecutor(jobs, mp_context=get_context('spawn')) as pool:
-        waiting = {pool.submit(run_cell, cell): index for index, cell in enumerate(cells)}
-        try:
-            for done in as_completed(waiting):
-                yield waiting[done], done.result()
-        finally:
-            pool.shutdown(cancel_futures=True)
+    yield from run_in_processes(
+        run_cell,
+        lambda i: (cells[i],),
+        range(len(cells)),
+        jobs,
+        called=lambda i: f'cell {", ".join(cells[i].labels.values())}',
+        advice='fewer processes need less: --jobs 1',
+    )

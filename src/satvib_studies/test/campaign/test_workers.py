@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Campaigns on several processes: the same bytes however many there are, and whatever becomes of them."""
 
-import multiprocessing
 import os
 import signal
 import socket
@@ -10,7 +9,6 @@ import ssl
 import subprocess
 import sys
 from contextlib import ExitStack, contextmanager, suppress
-from pathlib import Path
 
 import psutil
 import pytest
@@ -18,7 +16,6 @@ import yaml
 from satvib_common.errors import SatvibError
 from satvib_studies.campaign import workers
 from satvib_studies.campaign.keys import write_keys
-from satvib_studies.campaign.processes import run_in_processes
 from satvib_studies.campaign.run import begin, go_on
 from satvib_studies.campaign.settings import Campaign
 from satvib_studies.campaign.store import Store
@@ -76,52 +73,6 @@ def test_any_number_of_processes_gives_the_same_bytes(tmp_path, wanted, count):
     folder = tmp_path / 'c'
     go_on(begin(CAMPAIGN, folder), workers=count)
     assert (folder / 'trials.parquet').read_bytes() == wanted
-
-
-def die_once(marker, number):
-    """A task whose process dies the first time."""
-    try:
-        marker.touch(exist_ok=False)
-    except FileExistsError:
-        return bytes([number])
-    os.kill(os.getpid(), signal.SIGKILL)
-    raise AssertionError
-
-
-def die_at(bad, number):
-    """A task that always dies at one part."""
-    if number == bad:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return bytes([number])
-
-
-def no_socket(_number):
-    """A task that gives the number of sockets of its process."""
-    found = 0
-    for link in Path('/proc/self/fd').iterdir():
-        with suppress(FileNotFoundError):
-            found += str(link.readlink()).startswith('socket:')
-    return bytes([found])
-
-
-def test_a_process_that_dies_costs_no_part(tmp_path):
-    """Truth: the parts themselves, each once."""
-    found = run_in_processes(die_once, lambda i: (tmp_path / 'died', i), range(6), 2, lives=5)
-    assert sorted(found) == [(i, bytes([i])) for i in range(6)]
-
-
-def test_a_part_that_always_kills_its_process_is_named():
-    """Truth: part 3 is the one; the other parts are kept, and no process is left."""
-    done = []
-    with pytest.raises(SatvibError, match='part 3: 2 times a process died'):
-        done.extend(run_in_processes(die_at, lambda i: (3, i), range(6), 1, lives=2))
-    assert multiprocessing.active_children() == []
-
-
-def test_processes_of_this_machine_open_no_socket():
-    """Truth: the descriptors of the processes. Whoever could connect could run code there."""
-    found = dict(run_in_processes(no_socket, lambda i: (i,), range(2), 2, lives=1))
-    assert found == {0: b'\0', 1: b'\0'}
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 """Studies: every cell a scenario, the rows the same on any number of processes."""
 
 import math
+import multiprocessing
 
 import pytest
 import yaml
@@ -55,10 +56,17 @@ def small(tmp_path):
 
 
 def test_rows_are_those_of_single_runs_on_any_number_of_processes(small):
-    """Truth: each cell simulated and analysed by hand; no tolerance."""
+    """Truth: each cell simulated and analysed by hand; no tolerance. Processes that die cost no row."""
     cells = load_sweep(small).cells()
     alone = dict(run_sweep(cells, jobs=1))
-    assert dict(run_sweep(cells, jobs=2)) == alone
+    together = {}
+    for index, row in run_sweep(cells, jobs=2):
+        together[index] = row
+        for process in (
+            multiprocessing.active_children()
+        ):  # the first row is there, the second may have to begin again
+            process.kill()
+    assert together == alone
     for index, cell in enumerate(cells):
         e, _ = analyse(simulate(cell.scenario))
         assert alone[index]['struts']['true_rms'] == list(e.attenuation_open_loop['true_rms'])

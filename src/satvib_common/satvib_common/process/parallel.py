@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Processes of this machine that run the parts of a campaign, over pipes: no stranger can connect to them."""
+"""Work in several processes of this machine: one that dies costs no work, and none outlives its parent.
+
+They speak over pipes: no stranger can connect to them. The results do not depend on how many they are.
+"""
 
 import multiprocessing
 import os
@@ -11,40 +14,58 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 from satvib_common.errors import SatvibError
 
+LIVES = 5
+Result = TypeVar('Result')
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    # not every system can say which
+    return len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else os.cpu_count() or 1
+
 
 def run_in_processes(
-    task: Callable[..., bytes],
+    task: Callable[..., Result],
     arguments: Callable[[int], tuple[Any, ...]],
     parts: Iterable[int],
     workers: int,
-    lives: int,
-) -> Iterator[tuple[int, bytes]]:
+    lives: int = LIVES,
+    called: Callable[[int], str] = 'part {}'.format,
+    advice: str = '',
+) -> Iterator[tuple[int, Result]]:
     """Run parts in processes of this machine and give (number, result) as they are done.
 
-    A process that dies takes the others with it: they are begun again, and so are the parts that were in them.
+    A process that dies takes the others with it: they are begun again, and so are the parts that were in them. A part
+    that has one life left runs alone, so that no other part can be the reason.
 
     Args:
-        task: a function of a module.
-        arguments: of the task, by the number of the part.
+        task: a function of a module; it gives the same result each time it is called with the same arguments.
+        arguments: of the task, by the number of the part; asked for when the part begins.
         parts: numbers.
-        workers: processes.
+        workers: processes, at most; at least 1.
         lives: deaths of processes after which a part that was in one of them each time is given up.
+        called: what an error calls a part, by its number.
+        advice: what an error about a part that was given up tells people to do.
 
     Raises:
         SatvibError: a part was given up.
+        Exception: what the task raised; nothing more is run.
     """
     waiting, deaths = list(parts), Counter[int]()
     while waiting:
-        running: dict[Future[bytes], int] = {}
+        running: dict[Future[Result], int] = {}
         with _pool(min(workers, len(waiting))) as pool:
             try:
                 while waiting or running:
                     # no more than there are processes: what is in the air when one dies is what it may have died of
                     while waiting and len(running) < workers:
+                        beside = (waiting[0], *running.values())
+                        if running and any(deaths[part] >= max(lives - 1, 1) for part in beside):
+                            break
                         with _deaf():
                             running[pool.submit(task, *arguments(waiting[0]))] = waiting[0]
                         del waiting[0]
@@ -57,14 +78,15 @@ def run_in_processes(
                 worst = max(waiting, key=lambda part: deaths[part])
                 if deaths[worst] >= lives:
                     raise SatvibError(
-                        f'part {worst}: {lives} times a process died while it ran it (memory?); '
-                        'make the parts smaller with chunk'
+                        f'{called(worst)}: {lives} times a process died while it ran it (too little memory?)'
+                        + (f'; {advice}' if advice else '')
                     ) from None
 
 
 @contextmanager
 def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Processes that end with the block, whatever they do, and with this process, however it ends."""
+    # each from its beginning: this process may have threads, which a fork would leave in the middle of what they do
     context = multiprocessing.get_context('spawn')
     others = {process.pid for process in multiprocessing.active_children()}
     pool = ProcessPoolExecutor(workers, context, initializer=_end_with_parent)
