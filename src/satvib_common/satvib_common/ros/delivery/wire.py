@@ -20,6 +20,8 @@ from typing import Any, NamedTuple
 
 from rclpy.serialization import deserialize_message, serialize_message
 
+from satvib_common.ros.delivery.texts import NUMBERS, spans_of_texts
+
 _ENCAPSULATION = b'\x00\x01\x00\x00'
 _LENGTH = struct.Struct('<I')
 _FRAME = 12  # place of the length of frame_id
@@ -27,11 +29,6 @@ _TEXT = 'string'
 _MOST_LAYOUTS = (
     256  # that are kept; the texts of a graph have a few lengths, those of a stranger any
 )
-# of ROS: of the module struct
-_NUMBERS = {
-    'boolean': '?', 'octet': 'B', 'uint8': 'B', 'int8': 'b', 'uint16': 'H', 'int16': 'h',
-    'uint32': 'I', 'int32': 'i', 'uint64': 'Q', 'int64': 'q', 'float': 'f', 'double': 'd',
-}  # fmt: skip
 _REPLACED = '\ufffd'  # what rclpy puts in the place of bytes that are no text
 _MALFORMED = (struct.error, ValueError, IndexError, RuntimeError, MemoryError)
 _HEADER = (('header.stamp.sec', 'int32'), ('header.stamp.nanosec', 'uint32'))
@@ -116,8 +113,7 @@ class Wire:
         Raises:
             UnreadableError: they are not.
         """
-        record = self.unpack(data)
-        _check_whole(data, self.pack(record), _texts_in(record), self._kind)
+        _check_whole(data, self.pack(self.unpack(data)), self._kind)
 
     def _unpack(self, data: bytes) -> Any:
         if self._plain:
@@ -157,8 +153,8 @@ class Wire:
 
         for what in self._types:
             if what != _TEXT:
-                size = struct.calcsize('=' + _NUMBERS[what])
-                add(_NUMBERS[what], size, size)
+                size = struct.calcsize('=' + NUMBERS[what])
+                add(NUMBERS[what], size, size)
                 continue
             add('I', _LENGTH.size, _LENGTH.size)
             if not left:
@@ -188,7 +184,7 @@ def wire_of(kind: Any) -> Wire | None:
     if headed:
         fields += [*_HEADER, ('header.frame_id', _TEXT)]
         described = described[1:]
-    if not all(what in _NUMBERS or what == _TEXT for _, what in described):
+    if not all(what in NUMBERS or what == _TEXT for _, what in described):
         return None
     fields += described
     return Wire(kind, fields, headed) if fields else None
@@ -209,7 +205,7 @@ def checker_of(kind: Any) -> Callable[[bytes], None]:
         # a text with the sign that stands in the bytes, too, was sent with it; padding may hold any bytes
         if any(_REPLACED in text and text.encode() not in data for text in _texts_in(message)):
             raise unreadable(data, kind, 'a text that is none')
-        _check_whole(data, again, _texts_in(message), kind)
+        _check_whole(data, again, kind)
 
     return check
 
@@ -232,7 +228,7 @@ def unreadable(data: bytes, kind: Any, why: object) -> UnreadableError:
     return UnreadableError(f'{len(data)} bytes that are no {kind.__name__} ({first})')
 
 
-def _check_whole(data: bytes, again: bytes, texts: Iterator[str], kind: Any) -> None:
+def _check_whole(data: bytes, again: bytes, kind: Any) -> None:
     """Refuse bytes that are longer or shorter than what they say, or in which a text does not end with its zero.
 
     Some readers of bags stop at the first text without its zero, so the rest of the bag would be lost to them.
@@ -240,7 +236,6 @@ def _check_whole(data: bytes, again: bytes, texts: Iterator[str], kind: Any) -> 
     Args:
         data: what has arrived.
         again: what the middleware makes of its fields.
-        texts: its texts, in their order.
         kind: class of the message.
 
     Raises:
@@ -248,13 +243,12 @@ def _check_whole(data: bytes, again: bytes, texts: Iterator[str], kind: Any) -> 
     """
     if abs(len(data) - len(again)) >= _LENGTH.size:  # a message may be filled up to a whole word
         raise unreadable(data, kind, f'{len(again)} would be')
-    end = 0
-    for text in texts:
-        written = text.encode()
-        written = _LENGTH.pack(len(written) + 1) + written + b'\0'
-        end = again.index(written, end) + len(written)
-        if '\0' in text or data[end - 1 : end] != b'\0':
-            raise unreadable(data, kind, 'a text that does not end with its zero')
+    try:
+        spans = spans_of_texts(data, kind)
+    except ValueError as error:
+        raise unreadable(data, kind, error) from None
+    if any(data.find(0, begin, end) != end - 1 for begin, end in spans):
+        raise unreadable(data, kind, 'a text that does not end with its zero')
 
 
 def blank(kind: Any) -> Any:

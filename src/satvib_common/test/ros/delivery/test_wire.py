@@ -159,6 +159,32 @@ def test_a_text_ends_with_its_zero(name):
         check(data[:23] + b'\x08' + data[24:])
 
 
+@pytest.mark.parametrize('updates', [0, 1, 256, 257, 2**40])
+def test_an_empty_text_ends_with_its_zero(updates):
+    """The bytes of an empty text may stand among the numbers before it, too.
+
+    Truth: CDR: the place of the text is that where the bytes of a longer one differ first.
+    """
+    from rclpy.serialization import serialize_message
+    from satvib_common.ros.delivery.wire import UnreadableError, checker_of
+
+    message = messages.IirParameters(a=[1.0], updates=updates, converged=True)
+    data, longer = serialize_message(message), serialize_message(_with(message, reason='x'))
+    place = next(i for i in range(len(data)) if data[i] != longer[i])
+    check = checker_of(messages.IirParameters)
+    check(data)
+    with pytest.raises(UnreadableError, match='end with its zero'):
+        check(data[: place + 4] + b'\x01' + data[place + 5 :])
+
+
+def _with(message, **fields):
+    """A copy with other fields."""
+    copy = type(message)()
+    for name in message.get_fields_and_field_types():
+        setattr(copy, name, fields.get(name, getattr(message, name)))
+    return copy
+
+
 def test_a_text_of_a_big_endian_message_ends_with_its_zero():
     """Truth: bytes written by `struct` after the standard."""
     import struct
