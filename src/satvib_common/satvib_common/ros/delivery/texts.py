@@ -5,8 +5,8 @@
 rclpy takes a text by its length and does not look whether it ends with its zero. Some readers of bags do, and stop
 there.
 
-The bytes are CDR: each number stands at a multiple of its size, counted from the end of the encapsulation of four bytes.
-A list has its length before it, and so does a text, whose length counts its final zero.
+The bytes are CDR: each number stands at a multiple of its size, counted from the end of the encapsulation. A list has
+its length before it, and so does a text, whose length counts its final zero.
 """
 
 import re
