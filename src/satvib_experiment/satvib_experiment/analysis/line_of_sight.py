@@ -7,6 +7,13 @@ Measured: the tilt's acceleration from the upper sensors, integrated twice. Belo
 sensor noise, which grows with 1 / f^2; so both are taken above a stated frequency. Both axes together are the root of
 the sum of squares.
 
+"Above a frequency" is a filter, and no filter knows a moment better than about a period of its edge: what moves before
+or after the stretch is in it for that long, with an amount that does not depend on the stretch's length. To filter the
+whole record first does not help, for it is the filter that does this: a tone of 3.5 Hz that is ten times louder until
+the stretch begins makes the RMS above 2 Hz of 0.7 s two thirds too large, that of 6 s a tenth. So the filter sees some
+periods before and after the stretch, which makes its edges those of the motion and not of a cut, and a stretch of fewer
+than three periods has no figure.
+
 A wheel that runs up is loud in a part of the stretch alone. So what is below the stated frequency is taken away from
 the signal, and the RMS is that of its samples: each counts alike, which under a window as for a spectrum they do not.
 A mirror that tilts by this turns the beam by twice as much.
@@ -25,7 +32,8 @@ from satvib_experiment.analysis.windows import Span
 from satvib_experiment.recording.recording import Recording
 
 ARC_SECONDS = 180.0 * 3600.0 / math.pi  # per radian
-_MARGIN = 2.0  # s
+PERIODS = 3.0  # of the stated frequency: no shorter stretch has a figure
+_MARGIN = 4.0  # periods of the stated frequency
 
 
 @dataclass(frozen=True)
@@ -70,12 +78,14 @@ def line_of_sight(recording: Recording, span: Span, above: float) -> Sight | Non
         above: Hz, below which nothing counts.
 
     Returns:
-        None for a rig that is not known, or that does not tilt.
+        None for a rig that is not known, or that does not tilt, and for a stretch of fewer than `PERIODS` periods of
+        `above`.
     """
     matrix = tilt_matrix(recording.rig)
-    if matrix is None:
-        return None
     window, dt = recording.window(*span), recording.sample_period
+    first, last, _ = window.indices(len(recording.time))
+    if matrix is None or last - first < round(PERIODS / (above * dt)):
+        return None
     tilt = true_tilt(recording)
     upper = recording.get('acceleration', 'upper')
     lines = np.asarray(np.fft.rfftfreq(len(upper[window]), dt)[1:], dtype=float)
@@ -92,7 +102,7 @@ def _rms(signal: Array, window: slice, dt: float, above: float, integrations: in
     Samples before and after the window, where there are some, take the edges of the filter.
     """
     first, last, _ = window.indices(len(signal))
-    ramp = round(_MARGIN / dt)
+    ramp = round(_MARGIN / (above * dt))
     before, after = min(ramp, first), min(ramp, len(signal) - last)
     part = signal[first - before : last + after]
     known = np.isfinite(part)

@@ -13,7 +13,7 @@ from satvib_common.errors import SatvibError
 from satvib_common.struts.names import strut_label
 
 from satvib_experiment.analysis.evaluation import KINDS
-from satvib_experiment.analysis.line_of_sight import ARC_SECONDS
+from satvib_experiment.analysis.line_of_sight import ARC_SECONDS, PERIODS
 from satvib_experiment.report.comparison import HOLDS, OF_THE_PAPER, WHY
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.figures.registry import Drawn
@@ -99,6 +99,7 @@ def write_page(context: Context, result: dict[str, Any], figures: list[Drawn], p
         headings=KIND_HEADINGS,
         spans=_spans(result),
         stretches=STRETCHES,
+        sight_periods=PERIODS,
         zoom=zoom_data(context),
         parameter_names=_parameter_names(result),
         trust=list(TRUST),

@@ -74,8 +74,9 @@ class AnalysisSettings(Schema):
     reference: tuple[float, ...] = param((), 'attenuation to compare with, per strut', unit='dB')
     reference_source: str = param('', 'where those figures come from')
     line_of_sight_from: float = param(
-        2.0, 'frequency above which the tilt of the payload counts', unit='Hz', above=0.0
-    )
+        2.0, 'frequency above which the tilt of the payload counts, in stretches of 3 periods of it at least',
+        unit='Hz', above=0.0,
+    )  # fmt: skip
 
     def check(self) -> None:
         """Check the windows."""

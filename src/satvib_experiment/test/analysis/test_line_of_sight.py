@@ -59,6 +59,32 @@ def test_a_tilt_that_comes_late_counts_as_one_that_is_in_the_middle(synthetic):
         assert found.true == pytest.approx(20e-6 / np.sqrt(2) * np.sqrt(0.1), rel=0.05)
 
 
+def test_what_moved_before_a_short_stretch_does_not_count(synthetic):
+    """Ten times louder until the stretch begins. Truth: 20 urad amplitude; a stretch that is too short has no figure.
+
+    The filter's edge has a share of 1 / length in the power: 10 % in 6 s is 70 % in 0.7 s.
+    """
+    run = tilting(synthetic, load_rig('soft_3dof'), 20e-6, 3.5)
+    loud = np.where(run.time < 10.0, 10.0, 1.0)[:, None]
+    run.groups['truth']['stroke'] = run.get('truth', 'stroke') * loud
+    assert line_of_sight(run, (10.0, 10.7), 2.0) is None
+    assert line_of_sight(run, (19.3, 30.0), 2.0) is None  # 0.7 s are in the record
+    assert line_of_sight(run, (10.0, 11.5), 2.0) is not None
+    found = line_of_sight(run, (10.0, 16.0), 2.0)
+    assert found.true == pytest.approx(20e-6 / np.sqrt(2), rel=0.12)
+
+
+def test_the_filter_sees_periods_of_its_own_frequency_around_a_stretch(synthetic):
+    """A tilt of 200 urad at 0.3 Hz, judged above 0.5 Hz. Truth: 20 urad amplitude at 11 Hz; 1 %."""
+    run = tilting(synthetic, load_rig('soft_3dof'), 20e-6, 11.0, seconds=60.0)
+    slow = tilting(synthetic, load_rig('soft_3dof'), 200e-6, 0.3, seconds=60.0)
+    for group, name in (('truth', 'stroke'), ('acceleration', 'upper')):
+        run.groups[group][name] = run.get(group, name) + slow.get(group, name)
+    found = line_of_sight(run, (27.0, 33.0), 0.5)
+    assert found.true == pytest.approx(20e-6 / np.sqrt(2), rel=0.01)
+    assert found.measured == pytest.approx(20e-6 / np.sqrt(2), rel=0.01)
+
+
 def test_the_noise_of_the_sensors_is_foretold(synthetic):
     """Truth: white noise of the rig's own level on every sensor, 50 records of 20 s; 10 %."""
     from satvib_plant_sim.physics.noise import noise_floor
