@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What measured responses are compared with: the rig's exact response, with the law's feedback where it is linear."""
 
+from collections.abc import Iterable
+
 import numpy as np
 from satvib_common.arrays import Array, Complex
 from satvib_common.errors import SatvibError
@@ -16,7 +18,11 @@ from satvib_plant_sim.responses.all_struts import sampled_rig
 from satvib_plant_sim.responses.transmission import plate_responses
 from satvib_plant_sim.rig.rig import Rig
 
+from satvib_experiment.analysis.windows import Span
+from satvib_experiment.frf.how import base_directions
 from satvib_experiment.recording.recording import Recording
+
+_DIGITS = 9  # of a direction, by which two are one
 
 
 def identified_model(recording: Recording) -> IirModel | None:
@@ -98,6 +104,32 @@ def _give_model(law: BasicLaw, recording: Recording) -> None:
     count = model.a.shape[-1] + model.b.shape[-1]
     covariance = recording.get('model', 'covariance')[row, struts].reshape(-1, count, count)
     law.set_model(model, np.asarray(trusted, dtype=bool), covariance)
+
+
+def base_direction(
+    recording: Recording, spans: Iterable[Span]
+) -> tuple[tuple[float, ...] | None, str]:
+    """Give the direction in which the base of a run moved in some spans of s, as `exact_plates` takes it.
+
+    Returns:
+        The direction and an empty text, or None and why it is not known, for people. Struts on a circle have one
+        direction, whatever moved the base.
+    """
+    rig, scenario = recording.rig, recording.scenario
+    if not (isinstance(rig, Rig) and rig.struts.each):
+        return UPWARD, ''
+    if scenario is None or not scenario.disturbance:
+        return None, 'it is not known in which direction the base moved'
+    disturbance = scenario.make_disturbance()
+    each = [d for span in spans for d in base_directions(disturbance, *span)]
+    found = {tuple(round(v, _DIGITS) for v in d): d for d in each}
+    if len(found) == 1:
+        return each[0], ''
+    return None, (
+        f'the base moved in {len(found)} directions'
+        if found
+        else 'what shook the rig did not move its base'
+    )
 
 
 def exact_plates(

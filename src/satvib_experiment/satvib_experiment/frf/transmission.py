@@ -9,13 +9,12 @@ from satvib_common.arrays import Array, Complex, Mask
 from satvib_common.errors import SatvibError
 from satvib_common.phases import Phase
 from satvib_ident.frequency.settings import FrfSettings
-from satvib_plant_sim.disturbance.base import UPWARD
 from satvib_plant_sim.rig.rig import Rig
 
 from satvib_experiment.analysis.tones import disturbance_onset
 from satvib_experiment.analysis.windows import Span, find_windows
 from satvib_experiment.frf.curve import BASE, HEAVE, OPEN, TRANSMISSIBILITY, Curve
-from satvib_experiment.frf.exact import exact_plates
+from satvib_experiment.frf.exact import base_direction, exact_plates
 from satvib_experiment.frf.how import Moved, base_directions, estimate, moved_by
 from satvib_experiment.frf.merit import merit_of
 from satvib_experiment.frf.modes import along, named_motions
@@ -61,8 +60,7 @@ def transmissibilities(
         moved = moved_by(disturbance, *span, dt) if disturbance else Moved()
         if period is not None:
             moved = Moved(moved.low, moved.high, round(period / dt))
-        directions = base_directions(disturbance, *span) if disturbance else []
-        found += _curves(recording, span, closed, moved, directions, settings)
+        found += _curves(recording, span, closed, moved, settings)
     return found
 
 
@@ -71,7 +69,6 @@ def _curves(
     span: Span,
     closed: bool,
     moved: Moved,
-    directions: list[Direction],
     settings: FrfSettings,
 ) -> list[Curve]:
     window = recording.window(*span)
@@ -81,12 +78,10 @@ def _curves(
         return []
     dt = recording.sample_period
     loop = law_name(recording) if closed else OPEN
-    listed = isinstance(recording.rig, Rig) and bool(recording.rig.struts.each)
-    one = directions[0] if directions and listed else UPWARD
-    known = len(directions) < 2
+    one, _ = base_direction(recording, [span])
 
     def exact(frequency: Array) -> tuple[Complex, Complex] | None:
-        return exact_plates(recording, frequency, closed, one) if known else None
+        return None if one is None else exact_plates(recording, frequency, closed, one)
 
     measured = estimate(lower, upper, dt, moved, settings)
     plates = exact(measured.frequency)
@@ -99,7 +94,7 @@ def _curves(
     names, matrix = named_motions(recording.rig)
     if len(names) < 2:
         return curves
-    if not known:
+    if one is None:
         return curves + _own_motions(loop, names, matrix, lower, upper, dt, moved, settings)
     assert isinstance(recording.rig, Rig)
     base = along(recording.rig, one) @ matrix

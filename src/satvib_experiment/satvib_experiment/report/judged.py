@@ -113,10 +113,15 @@ def judged(context: Context) -> dict[str, Any]:
             else None
         )
         tones = tone_transmissibility(context, name)
-        shown = [] if tones is None else [tones[i] for i in range(len(context.struts))]
+        shown: list[FrequencyResponse | None] = []
+        if tones is not None:
+            shown = [tones[i] for i in range(len(context.struts))]
         if curves and name != 'open_loop':
-            loops = [c for c in curves if (c.loop == OPEN) == (name == 'uncontrolled')]
-            shown = [c.measured for c in loops]
+            # a strut whose foot does not move along it has none
+            own = {
+                c.output: c.measured for c in curves if (c.loop == OPEN) == (name == 'uncontrolled')
+            }
+            shown = [own.get(strut) for strut in context.struts] if own else []
         amplification[name] = [_worst(response) for response in shown] or None
     return {
         'line_of_sight': {'above': above, **sights},
@@ -147,7 +152,7 @@ def _above(context: Context) -> float:
     return scenario.analysis.line_of_sight_from if scenario else 2.0
 
 
-def _worst(found: FrequencyResponse) -> dict[str, float] | None:
+def _worst(found: FrequencyResponse | None) -> dict[str, float] | None:
     """The largest transmissibility (f,) of a strut in dB, and its frequency in Hz."""
-    merit = merit_of(found)
+    merit = merit_of(found) if found is not None else None
     return {'level': merit.peak, 'frequency': merit.peak_frequency} if merit else None

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from satvib_common.levels import decibel
 from satvib_common.struts.names import strut_label
-from satvib_plant_sim.responses.transmission import transmissibility
-from satvib_plant_sim.rig.rig import Rig
+from satvib_plant_sim.disturbance.base import UPWARD
 
 from satvib_experiment.analysis.bands import (
     CRITERIA,
@@ -19,7 +18,7 @@ from satvib_experiment.analysis.bands import (
     power_lines,
 )
 from satvib_experiment.frf.curve import OPEN as OPEN_LOOP
-from satvib_experiment.frf.exact import law_feedback
+from satvib_experiment.frf.exact import base_direction, exact_plates
 from satvib_experiment.report.context import Context
 from satvib_experiment.report.judged import (
     broadband_curves,
@@ -48,6 +47,7 @@ CAPTION = (
     'same stretches. Both from the truth where there is truth.'
 )
 _EXACT = {'--': 'exact, open loop', ':': 'exact, with the law'}
+_STILL = 1e-3  # share of the largest power at a foot, up to which it does not move along its strut
 _LINES = 160
 _LOWEST = 1.0  # Hz
 _DECADES = 5.0
@@ -66,6 +66,25 @@ def draw(context: Context, path: Path) -> bool:
     return True
 
 
+def caption(context: Context) -> str:
+    """Give the caption, with the direction of the exact response where it is not that of every rig."""
+    direction, why = _direction(context)
+    if direction is None:
+        return f'{CAPTION} No exact response is drawn: {why}.'
+    if direction == UPWARD:
+        return CAPTION
+    factors = ' '.join(f'{v + 0.0:.3g}' for v in direction)
+    return (
+        f'{CAPTION} The base of the exact response moves as that of the run did, with the factors {factors} along and '
+        'then about x, y, z; a strut whose foot does not move along it has none.'
+    )
+
+
+def _direction(context: Context) -> tuple[tuple[float, ...] | None, str]:
+    shown = (stretch(context, name) for name in (_baseline(context), 'controlled'))
+    return base_direction(context.recording, [found[1] for found in shown if found])
+
+
 def _baseline(context: Context) -> str:
     """The stretch without control: of the run, or of its open-loop twin."""
     return 'uncontrolled' if stretch(context, 'uncontrolled') else 'open_loop'
@@ -78,17 +97,20 @@ def _color(i: int) -> str:
 def _transmissibility(context: Context, ax: Any) -> None:
     recording = context.recording
     nyquist = 0.5 / recording.sample_period
-    if isinstance(recording.rig, Rig):
-        f = np.geomspace(_LOWEST, 0.98 * nyquist, _LINES)
-        for feedback, style in ((None, '--'), (law_feedback(recording, f), ':')):
-            if style == ':' and feedback is None:
-                continue
-            exact = decibel(np.abs(transmissibility(recording.rig, f, feedback)))
-            # above what is measured, and thinner
-            for i, column in enumerate(exact.T):
-                color = INK if style == '--' else _color(i)
-                label = _EXACT[style] if i == 0 else None
-                ax.plot(f, column, style, color=color, lw=0.9, zorder=3, label=label)
+    f = np.geomspace(_LOWEST, 0.98 * nyquist, _LINES)
+    direction, _ = _direction(context)
+    for style in _EXACT:
+        plates = None if direction is None else exact_plates(recording, f, style == ':', direction)
+        if plates is None:
+            continue
+        power = np.mean(np.abs(plates[1]) ** 2, axis=0)
+        label: str | None = _EXACT[style]
+        # above what is measured, and thinner
+        for i in map(int, np.flatnonzero(power > _STILL * np.max(power))):
+            exact = decibel(np.abs(plates[0][:, i]), np.abs(plates[1][:, i]))
+            color = INK if style == '--' else _color(i)
+            ax.plot(f, exact, style, color=color, lw=0.9, zorder=3, label=label)
+            label = None
     curves = broadband_curves(context)
     for curve in curves:
         i = context.struts.index(curve.output)

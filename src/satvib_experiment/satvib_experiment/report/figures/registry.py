@@ -36,7 +36,7 @@ class Drawn:
 
 
 def figure_module(name: str) -> ModuleType:
-    """Import the module of a figure, with `CAPTION` and `draw`."""
+    """Import the module of a figure, with `CAPTION` and `draw`; one whose words depend on the run has `caption`."""
     return importlib.import_module(f'satvib_experiment.report.figures.{name}')
 
 
@@ -46,4 +46,5 @@ def draw_figure(context: Context, folder: Path, name: str) -> Drawn | None:
     path = folder / f'{name}.png'
     if not module.draw(context, path):
         return None
-    return Drawn(name, dict(FIGURES)[name], module.CAPTION, path)
+    caption = module.caption(context) if hasattr(module, 'caption') else module.CAPTION
+    return Drawn(name, dict(FIGURES)[name], caption, path)
