@@ -25,6 +25,7 @@ from satvib_common.schema import param
 
 from satvib_plant_sim.disturbance.base import Disturbance, Transfer
 from satvib_plant_sim.disturbance.window import acts, elapsed
+from satvib_plant_sim.rig.structure import FARTHEST
 
 
 class WheelSpeed(NamedTuple):
@@ -137,8 +138,9 @@ class MountedWheel(Disturbance):
     ramp_time: float = param(10.0, 'how long the ramp lasts', unit='s', above=0.0)
     axis: tuple[float, ...] = param((0.0, 0.0, 1.0), 'x, y, z, of any length')
     position: tuple[float, ...] = param(
-        (0.0, 0.0, 0.0), 'x, y, z from the centre of gravity of the payload', unit='m'
-    )
+        (0.0, 0.0, 0.0), 'x, y, z from the centre of gravity of the payload',
+        unit='m', minimum=-FARTHEST, maximum=FARTHEST,
+    )  # fmt: skip
     harmonics: tuple[float, ...] = param((1.0,), 'multiples of the speed', above=0.0)
     phases: tuple[float, ...] = param((), 'of each harmonic at start; none: all 0', unit='deg')
     radial: tuple[float, ...] = param((), 'C of the radial force; none: 0', unit='N per (rad/s)^2')

@@ -15,6 +15,10 @@ from satvib_common.errors import SatvibError
 from satvib_common.schema import Schema, param
 from satvib_common.struts.names import strut_angles
 
+# m; beyond these a number is most often one in mm. Nothing stands further from the origin, as CAD may place it
+FARTHEST = 50.0
+_LONGEST, _SHORTEST = 10.0, 1e-4  # of a strut from foot to head, and of a radius
+_LONGEST_STROKE = 1.0
 # translations, then rotations about the same axes
 MOTIONS = ('x', 'y', 'z', 'rx', 'ry', 'rz')
 
@@ -36,19 +40,22 @@ class Payload(Schema):
         None, 'moment of inertia about x and about y; none: 0.55 m r^2', unit='kg m^2', above=0.0
     )
     force_x: float = param(
-        0.0, 'where a disturbance force acts, x from the centre of gravity', unit='m'
-    )
+        0.0, 'where a disturbance force acts, x from the centre of gravity',
+        unit='m', minimum=-FARTHEST, maximum=FARTHEST,
+    )  # fmt: skip
     force_y: float = param(
-        0.0, 'where a disturbance force acts, y from the centre of gravity', unit='m'
-    )
+        0.0, 'where a disturbance force acts, y from the centre of gravity',
+        unit='m', minimum=-FARTHEST, maximum=FARTHEST,
+    )  # fmt: skip
     inertia_tensor: tuple[float, ...] | None = param(
         None,
         'Ixx, Iyy, Izz, or those and Ixy, Ixz, Iyz (elements of the matrix), about the centre of gravity',
         unit='kg m^2',
     )
     center_of_gravity: tuple[float, ...] = param(
-        (0.0, 0.0, 0.0), 'x, y, z in the frame of the struts', unit='m'
-    )
+        (0.0, 0.0, 0.0), 'x, y, z in the frame of the struts',
+        unit='m', minimum=-FARTHEST, maximum=FARTHEST,
+    )  # fmt: skip
     motions: tuple[str, ...] = param(
         MOTIONS, 'in which the payload can move; guides hold the others', choices=MOTIONS
     )
@@ -74,14 +81,20 @@ class Payload(Schema):
 class Strut(Schema):
     """One listed strut: its line of action, and what it is made of where that is its own."""
 
-    foot: tuple[float, ...] = param(description='on the lower plate: x, y, z', unit='m')
-    head: tuple[float, ...] | None = param(None, 'on the payload: x, y, z', unit='m')
+    foot: tuple[float, ...] = param(
+        description='on the lower plate: x, y, z', unit='m', minimum=-FARTHEST, maximum=FARTHEST
+    )
+    head: tuple[float, ...] | None = param(
+        None, 'on the payload: x, y, z', unit='m', minimum=-FARTHEST, maximum=FARTHEST
+    )
     direction: tuple[float, ...] | None = param(
         None, 'from foot to head, of any length; in place of head'
     )
     stiffness: float | None = param(None, 'none: that of all struts', unit='N/m', above=0.0)
     damping: float | None = param(None, 'none: that of all struts', unit='N s/m', minimum=0.0)
-    stroke_limit: float | None = param(None, 'none: that of all struts', unit='m', above=0.0)
+    stroke_limit: float | None = param(
+        None, 'none: that of all struts', unit='m', above=0.0, maximum=_LONGEST_STROKE
+    )
     force_constant: float | None = param(None, 'none: that of the coil', unit='N/A', minimum=0.0)
     force_limit: float | None = param(None, 'none: that of the coil', unit='N', above=0.0)
     resistance: float | None = param(None, 'none: that of the coil', unit='ohm', above=0.0)
@@ -96,6 +109,11 @@ class Strut(Schema):
                 _three(name, getattr(self, name))
         if not math.hypot(*self.along) > 1e-9:
             raise SatvibError(f'{"direction" if self.head is None else "head"}: gives no direction')
+        length = math.hypot(*self.along)
+        if self.head is not None and not _SHORTEST <= length <= _LONGEST:
+            raise SatvibError(
+                f'head: {length:.4g} m from foot; a strut is {_SHORTEST:g} to {_LONGEST:g} m long'
+            )
 
     @property
     def along(self) -> tuple[float, ...]:
@@ -114,7 +132,9 @@ class Struts(Schema):
         'struts on a circle: 3 move w, alpha, beta; 1 moves w. Listed struts are counted',
         minimum=0,
     )
-    radius: float = param(0.15, 'distance of a strut from the axis', unit='m', above=0.0)
+    radius: float = param(
+        0.15, 'distance of a strut from the axis', unit='m', minimum=_SHORTEST, maximum=_LONGEST
+    )
     first_angle: float = param(90.0, 'angle of strut 1 from x; the others evenly on', unit='deg')
     each: tuple[Strut, ...] = param((), 'listed struts; none: they stand on a circle')
     stiffness: float = param(description='stiffness of one strut', unit='N/m', above=0.0)
@@ -125,7 +145,12 @@ class Struts(Schema):
     damping_scale: tuple[float, ...] = param(
         (1.0, 1.0, 1.0), 'factor on the damping, strut by strut', minimum=0.0
     )
-    stroke_limit: float = param(description='stroke to the stop, either way', unit='m', above=0.0)
+    stroke_limit: float = param(
+        description='stroke to the stop, either way',
+        unit='m',
+        above=0.0,
+        maximum=_LONGEST_STROKE,
+    )
     stop_stiffness: float = param(description='stiffness of a stop', unit='N/m', above=0.0)
     stop_damping: float = param(description='damping of a stop', unit='N s/m', minimum=0.0)
 

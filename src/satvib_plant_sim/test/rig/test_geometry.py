@@ -61,6 +61,14 @@ BAD = {
     'struts.each.1.foot=[1, 2]': 'struts.each[1].foot: 2 numbers, x, y and z are expected',
     'struts.each.1.head=[0.176776695297, 0.102062072616, -0.072168783649]':
         'struts.each[1].head: gives no direction',
+    'struts.each.1.foot=[176.8, 102.1, -72.2]': 'struts.each[1].foot: 176.8 is more than 50.0 m',
+    'struts.each.5.head=[17.7, -10.2, 7.2]':
+        'struts.each[5].head: 21.59 m from foot; a strut is 0.0001 to 10 m long',
+    'struts.each.1.head=[0.176776695297, 0.102062072616, -0.07216]':
+        'struts.each[1].head: 8.784e-06 m from foot; a strut is 0.0001 to 10 m long',
+    'struts.each.2.stroke_limit=7.6': 'struts.each[2].stroke_limit: 7.6 is more than 1.0 m',
+    'payload.center_of_gravity=[0, -80, 0]': 'payload.center_of_gravity: -80.0 is less than -50.0 m',
+    'struts.radius=150': 'struts.radius: 150.0 is more than 10.0 m',
     'struts.each.1.direction=[1, 0, 0]': 'struts.each[1].head: a strut has either head or direction',
     'struts.each.1.stiffness=-2': 'stiffness: -2.0 is not above 0.0 N/m',
     'struts.count=5': 'struts.count: 5, but 6 struts are listed',
