@@ -5,6 +5,7 @@
 import gc
 import sys
 import threading
+import time
 
 import pytest
 
@@ -74,3 +75,34 @@ def test_a_turn_takes_all_that_is_there_and_ends_when_it_is_woken(loop):
     waker.join()
     turns.wake()
     turns.take(3600.0)
+
+
+def test_a_turn_ends_in_a_flood(loop):
+    """Messages that come faster than they are worked on: else no tick would come, and nobody would see a signal.
+
+    Each message takes a millisecond and brings two more. Truth: a turn of 10 ms ends long before a thousand of them.
+    """
+    from satvib_common.ros.qos import offered, wanted
+
+    from satvib_msgs.msg import VcaVoltage
+
+    turns, node, heard = loop
+    publisher = node.create_publisher(VcaVoltage, 'flood', offered())
+
+    def more(message):
+        heard.append(message.sequence)
+        if len(heard) >= 1000:
+            turns.wake()
+            return
+        busy_until = time.perf_counter() + 0.001
+        for _ in range(2):
+            publisher.publish(message)
+        while time.perf_counter() < busy_until:
+            pass
+
+    node.create_subscription(VcaVoltage, 'flood', more, wanted(whole=True))
+    publisher.publish(VcaVoltage())
+    while not heard:
+        turns.take(0.01)
+    turns.take(0.01)
+    assert 1 < len(heard) < 1000
