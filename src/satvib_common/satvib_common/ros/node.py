@@ -385,7 +385,7 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
                 response.message = (
                     getattr(self, what)() if self.active else 'the node is not active'
                 )
-            except SatvibError as error:
+            except (SatvibError, RunError) as error:
                 response.success, response.message = False, str(error)
             self.get_logger().info(f'{what}: {response.message}')
             return response

@@ -164,10 +164,11 @@ class Bridge:
         Raises:
             SatvibError: there is nothing to reset.
         """
+        # a reset that is refused releases nothing: the guardian may have a fault of which no word has come yet
+        self.states.reset()
         self._missed = 0
         self.sensors.reset()
         self._send(link.pack(link.ToGuardian.RESET))
-        self.states.reset()
 
     def command(self, strut_index: int, sequence: int, voltage: float) -> None:
         """Take a controller's voltage (V at the coil) for a published sample."""

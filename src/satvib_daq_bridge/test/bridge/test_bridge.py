@@ -177,6 +177,25 @@ def test_a_fault_of_the_guardian_is_the_bridges():
     assert (stand.state, stand.reason) == (State.FAULT, 'strut_1.coil: stale command')
 
 
+def test_a_reset_that_is_refused_releases_nothing():
+    """In ACTIVE the guardian may have latched a fault of which no word has come: RESET would let voltages out again.
+
+    Nor is what was counted towards a fault forgotten.
+    """
+    stand = Stand(missed_limit=3)
+    stand.activate()
+    for latency in (0.001, 0.011, 0.012):
+        stand.sample(latency=latency)
+        stand.answer()
+    with pytest.raises(SatvibError, match='reset: refused in ACTIVE'):
+        stand.bridge.reset()
+    assert link.pack(link.ToGuardian.RESET) not in stand.sent
+    stand.sample(latency=0.011)
+    assert (stand.state, stand.reason) == (State.FAULT, '3 deadlines missed in a row')
+    stand.bridge.reset()
+    assert link.pack(link.ToGuardian.RESET) in stand.sent
+
+
 def test_after_a_new_guardian_the_samples_count_on():
     stand = Stand()
     stand.activate()
