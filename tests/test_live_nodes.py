@@ -15,6 +15,21 @@ IDENTIFIER = ('satvib_ident', 'strut_identifier')
 PLANT = ('satvib_plant_sim', 'plant_sim')
 RECORDER = ('satvib_bringup', 'recorder')
 
+FAILING = """
+from satvib_common.errors import RunError
+from satvib_common.ros.main import run_node
+from satvib_common.ros.node import SatvibNode
+from satvib_common.schema import Schema
+
+
+class Failing(SatvibNode):
+    def reset(self):
+        raise RunError('the device does not answer')
+
+
+run_node(lambda: Failing('failing', Schema))
+"""
+
 
 def one_line(process, code, *words):
     """Check the exit code and that the last line names what it must; there is no traceback."""
@@ -567,3 +582,18 @@ def test_a_schedule_of_another_rate_ends_no_controller_that_acts(start, probe):
         answered(k)
     probe.wait(lambda: controller.said.count('refused: ') >= 1)
     assert controller.popen.poll() is None
+
+
+def test_a_service_that_fails_says_so_and_the_node_lives_on(start, probe, tmp_path):
+    """As ~/reset of a daq_bridge whose guardian does not start. Truth: the response, twice, and exit code 0."""
+    from std_srvs.srv import Trigger
+
+    path = tmp_path / 'failing.py'
+    path.write_text(FAILING)
+    process = start.script(path)
+    for _ in range(2):
+        response = probe.call(Trigger, '/failing/reset', Trigger.Request())
+        assert (response.success, response.message) == (False, 'the device does not answer')
+    process.send(signal.SIGINT)
+    assert process.wait() == 0
+    assert 'Traceback' not in process.said
