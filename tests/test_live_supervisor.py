@@ -72,3 +72,53 @@ def test_it_stops_the_strut_that_shakes_the_others(composition, tmp_path, domain
         for r in (run, simulate_open_loop(run))
     ]
     assert np.all(levels[0] < 2.0 * levels[1])
+
+
+def test_one_message_of_a_stranger_makes_it_forget_nothing(start, probe):
+    """A sample 0 and a plan of another rate, in a run without end, whose sensors read 9.81 m/s^2 at rest.
+
+    Truth: who has no base takes the bias for vibration, and holds the struts one by one; it must ask for nothing, for
+    nothing has changed. What it judges goes on.
+    """
+    from satvib_common.phases import Phase
+    from satvib_common.ros.qos import offered
+    from std_msgs.msg import UInt64
+
+    from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage
+
+    process = start('satvib_control', 'supervisor', struts=2, sample_rate=100.0)
+    judged = probe.collect(UInt64, '/supervision')
+    plan = probe.publisher(Schedule, '/schedule')
+    outs = [
+        (
+            probe.node.create_publisher(StrutAcceleration, f'/strut_{i}/acceleration', offered()),
+            probe.node.create_publisher(VcaVoltage, f'/strut_{i}/voltage', offered()),
+        )
+        for i in (1, 2)
+    ]
+    every = [plan, *(out for both in outs for out in both)]
+    probe.wait(lambda: all(out.get_subscription_count() for out in every))
+
+    def said(period):
+        plan.publish(
+            Schedule(
+                sample_period=period, struts=['strut_1', 'strut_2'],
+                phases=[Phase.CALIBRATE, Phase.CONTROL], first_sequence=[0, 100],
+            )
+        )  # fmt: skip
+
+    def samples(first, end):
+        for k in range(first, end):
+            shaken = 0.1 * np.sin(2.0 * np.pi * 7.3 * k / 100.0)
+            for acceleration, voltage in outs:
+                acceleration.publish(StrutAcceleration(sequence=k, upper=9.81 + shaken))
+                voltage.publish(VcaVoltage(sequence=k, voltage=shaken))
+        probe.wait(lambda: judged and judged[-1].data == end - 1)
+
+    said(0.01)
+    samples(0, 200)
+    said(0.02)
+    outs[0][0].publish(StrutAcceleration(sequence=0, upper=9.81))
+    samples(200, 800)
+    probe.wait(lambda: 'refused: schedule: sample_period is 0.02 s' in process.said)
+    assert 'hold' not in process.said

@@ -20,6 +20,7 @@ from satvib_common.ros.node import SatvibNode
 from satvib_common.ros.qos import wanted
 from satvib_common.ros.reporting import QUIET, source_of
 from satvib_common.ros.schedule_gate import ScheduleGate
+from satvib_common.sequence import Arrival, SequenceTracker
 from satvib_common.struts.names import strut_names
 from std_msgs.msg import UInt64
 from std_srvs.srv import Trigger
@@ -50,6 +51,9 @@ class SupervisorNode(SatvibNode[SupervisorParameters]):
             quiet=lambda: time.monotonic() - self.heard_at > QUIET,
         )  # fmt: skip
         self.asked: list[str] = []
+        self.trackers = [
+            SequenceTracker(confirm=True, zero_restarts=p.lockstep) for _ in self.names
+        ]
         self._begin()
 
     def _begin(self) -> None:
@@ -105,10 +109,15 @@ class SupervisorNode(SatvibNode[SupervisorParameters]):
 
     def run_is_on(self) -> bool:
         """Whether a sample of the plan was judged, and another one is to come."""
-        return self.plan is not None and 0 <= self.last < self.plan.end - 1
+        plan = self.plan
+        return plan is not None and self.last >= 0 and (not plan.end or self.last < plan.end - 1)
 
     def _on_acceleration(self, strut: int, message: StrutAcceleration) -> None:
-        if message.sequence == 0 and self.last > 0:
+        arrival = self.trackers[strut].classify(message.sequence)
+        if arrival is Arrival.STRAY:
+            return
+        # of all struts, the first one that starts again begins the new run
+        if arrival is Arrival.RESTART and self.last >= 0:
             self._begin()
         self._add(2 * strut, message.sequence, message.upper)
 
