@@ -119,8 +119,45 @@ def test_two_identifiers_of_one_strut_are_0_v(start, probe, reports):
     what = f'2 publishers on strut_1/identified_model, only one is allowed: {both}'
     probe.wait(lambda: reports('/strut_1/strut_controller')[0] == DiagnosticStatus.ERROR)
     message = reports('/strut_1/strut_controller')[1]
-    assert 'two sources of models' in message
-    assert what in controller.said
+    latch = f'fault: two sources of models, end one of them: {what}; then call ~/reset'
+    assert latch in message
+    assert message.count(what) == 1
+    assert f'0 V: {latch}' in controller.said
+
+
+def test_one_node_that_publishes_each_sample_twice_is_named(start, probe, reports):
+    """Truth: the one publisher of the samples, and of the voltages. Controller and plant latch 0 V and name it."""
+    from diagnostic_msgs.msg import DiagnosticStatus
+
+    from satvib_msgs.msg import StrutAcceleration, VcaVoltage
+
+    start(*CONTROLLER, '/strut_1', **LAW)
+    start(*PLANT, '/plant', lockstep=False, **RIG)
+    voltages = probe.collect(VcaVoltage, '/strut_1/voltage')
+    heard = probe.collect(StrutAcceleration, '/plant/strut_1/acceleration')
+    samples = probe.publisher(StrutAcceleration, '/strut_1/acceleration')
+    answers = probe.publisher(VcaVoltage, '/plant/strut_1/voltage')
+    probe.wait(lambda: samples.get_subscription_count() and answers.get_subscription_count())
+
+    def both_are_latched():
+        while len(done) < len(heard):
+            done.append(sample := heard[len(done)])
+            for _ in range(2):
+                samples.publish(sample)
+                answers.publish(VcaVoltage(sequence=sample.sequence, voltage=1.0))
+        return (
+            voltages
+            and voltages[-1].fault
+            and reports('/plant/plant_sim')[0] == DiagnosticStatus.ERROR
+        )
+
+    done = []
+    probe.wait(both_are_latched)
+    what = '/probe publishes each twice or out of order on {}strut_1/{}'.format
+    latch = f'fault: samples as of two sources: {what("", "acceleration")}; then call ~/reset'
+    probe.wait(lambda: latch in reports('/strut_1/strut_controller')[1])
+    latch = f'its samples are answered twice: {what("plant/", "voltage")}; call ~/reset'
+    assert latch in reports('/plant/plant_sim')[1]
 
 
 def test_the_second_of_two_schedules_is_refused(start, probe, reports):

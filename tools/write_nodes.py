@@ -48,7 +48,8 @@ there is no source but a topic of that name elsewhere, it names that one too: it
 
 The topics `acceleration`, `voltage`, `identified_model` and `schedule` have one writer. Where there are two, every node
 at the topic names both in its log and on `/diagnostics`. When both speak, a controller latches 0 V (two plants, two
-identifiers), so does `plant_sim` or `daq_bridge` (two controllers), and another schedule is refused.
+identifiers), so does `plant_sim` or `daq_bridge` (two controllers), and another schedule is refused. The reason
+of the latch has the full names. Where one node alone publishes there, each message twice or out of order, it is named.
 
 A parameter that is not live (column *live*) is refused in a running node, with the reason that stands there. So is the
 start of a gain that adapts. Every change that is taken is one line in the log, with the value before and after. Where a

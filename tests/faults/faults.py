@@ -110,12 +110,13 @@ MESSAGES = (
     Fault('voltages lost, every third', Mangle('voltage', Mangling('lose', 0.33)), Must.STEADY),
     Fault('voltages doubled, one in twenty', Mangle('voltage', Mangling('double', 0.05)), Must.STEADY),
     Fault(
-        'every voltage doubled', Mangle('voltage', Mangling('double')), Must.LATCHED, 25, said='two controllers answer',
+        'every voltage doubled', Mangle('voltage', Mangling('double')), Must.LATCHED, 25,
+        said='/between publishes each twice',
     ),
     Fault('voltages reordered, one pair in twenty', Mangle('voltage', Mangling('swap', 0.05)), Must.STEADY),
     Fault(
         'voltages reordered, every second pair', Mangle('voltage', Mangling('swap'), RATE), Must.LATCHED, 120,
-        said='two controllers answer',
+        said='/between publishes each twice or out of order',
     ),
     Fault('voltages delayed by 4 samples', Mangle('voltage', Mangling('delay', by=4)), Must.BOUNDED),
     Fault(
@@ -128,7 +129,7 @@ MESSAGES = (
     ),
     Fault(
         'every acceleration doubled', Mangle('acceleration', Mangling('double')), Must.LATCHED, 30,
-        said='two sources of samples',
+        said='samples as of two sources: /between publishes each twice',
     ),
     Fault(
         'accelerations reordered, one pair in twenty', Mangle('acceleration', Mangling('swap', 0.05)), Must.BOUNDED,
@@ -185,7 +186,9 @@ NO_MODEL = {'a': [[math.nan]], 'b': [[1e300]], 'covariance': [[math.inf] * 4]}
 MODELS = (
     _models('lost, all', Mangling('lose')),
     _models('doubled, one in twenty', Mangling('double', 0.05)),
-    _models('doubled, all', Mangling('double'), Must.LATCHED, 40, 'two sources of models'),
+    _models(
+        'doubled, all', Mangling('double'), Must.LATCHED, 40, 'models as of two sources: /between'
+    ),
     _models('reordered, one pair in twenty', Mangling('swap', 0.05)),
     _models('delayed by 4 samples', Mangling('delay', by=4)),
     _models('that are no numbers, one in ten', Mangling(share=0.1, put=NO_MODEL)),
@@ -257,7 +260,7 @@ STRANGERS = (
     ),
     Fault(
         'a stranger: 20 V at 1 kHz', _stranger('voltage', Mangling(put={'voltage': 20.0})), Must.LATCHED, 60,
-        said='two controllers answer',
+        said='/between publishes each twice or out of order',  # the plant hears them from there
     ),
     Fault(
         'a stranger: 20 V at 5 kHz',
@@ -338,7 +341,10 @@ PROCESSES = (
     Fault('SIGSTOP of the recorder', Stall('recorder', 40), Must.STEADY, phases=IN_EACH),
     Fault('SIGKILL of the recorder, started again', Restart('recorder'), Must.STEADY, phases=IN_EACH),
     Fault('SIGSTOP of the plant', Stall('plant', 40), Must.BOUNDED, phases=IN_EACH),
-    Fault('a second controller', Second('controller'), Must.LATCHED, 200, said='two controllers answer'),
+    Fault(
+        'a second controller', Second('controller'), Must.LATCHED, 200,
+        said='2 publishers on strut_1/voltage, only one is allowed',
+    ),
     Fault('a second plant', Second('plant'), Must.BOUNDED, said='of samples', back=LONG),
 )  # fmt: skip
 

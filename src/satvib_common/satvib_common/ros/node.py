@@ -120,7 +120,8 @@ class SatvibNode(LifecycleNode, Generic[P]):  # type: ignore[misc]
         """Publish the state on /diagnostics."""
         reporting = self.reporting
         complaint, figures = self.diagnose()
-        complaint = '; '.join(filter(None, (complaint, reporting.rivals())))
+        if (rivals := reporting.rivals()) not in complaint:
+            complaint = '; '.join(filter(None, (complaint, rivals)))
         if not complaint and (awaited := reporting.awaited()):
             complaint = f'waits for {awaited}'
         figures |= reporting.connections()

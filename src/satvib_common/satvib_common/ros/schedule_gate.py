@@ -25,6 +25,7 @@ from rclpy.node import Node
 from satvib_common.errors import SatvibError
 from satvib_common.phases import PhasePlan
 from satvib_common.ros.convert import check_period, plan_of
+from satvib_common.ros.loop.rivals import node_of
 
 _MOST_PHASES = 1000
 _MOST_SAMPLES = 2**53
@@ -90,10 +91,7 @@ class ScheduleGate:
             self.refused += 1
             return None
         infos = self._node.get_publishers_info_by_topic(self._topic)
-        present = {
-            bytes(info.endpoint_gid): f'{info.node_namespace.rstrip("/")}/{info.node_name}'
-            for info in infos
-        }
+        present = {bytes(info.endpoint_gid): node_of(info) for info in infos}
         newcomers = set(present) - self._publishers
         stranger = bool(newcomers) and (bool(set(present) & self._publishers) or not self._quiet())
         doubtful = not running and self._plan not in {None, plan} and len(present) > 1

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The satvib authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a controller hears two plants or two identifiers: then it latches 0 V, and names them in its log.
+"""Whether a controller hears two plants or two identifiers: then it latches 0 V, and its reason names them.
 
 Two names in the graph prove nothing, for a node that was killed stays there for some seconds. Two sources that speak in
 turns are found by the order of their messages (`satvib_common.sequence.Rivals`).
@@ -9,15 +9,13 @@ turns are found by the order of their messages (`satvib_common.sequence.Rivals`)
 from collections.abc import Sequence
 from typing import Any
 
-from satvib_common.ros.loop.rivals import too_many_writers, writers_of
+from satvib_common.ros.loop.rivals import too_many_writers, two_sources, writers_of
 from satvib_common.sequence import Rivals
 from satvib_common.struts.applied import TEXTS, Applied
 
-from satvib_control.laws.reasons import reason, text_of
+from satvib_control.laws.reasons import reason
 
-SAMPLES = reason('fault: two sources of samples; end one of them, then call ~/reset')
 _LATCHED = TEXTS[Applied.LATCHED]
-MODELS = reason('fault: two sources of models; end one of them, then call ~/reset')
 
 
 class SourceWatch:
@@ -40,13 +38,13 @@ class SourceWatch:
     def see_sample(self, odd: bool, topic: str) -> None:
         """Take a sample of a topic, and whether it does not follow those before."""
         if self._samples.saw(odd):
-            self._latch(SAMPLES, topic)
+            self._latch('samples', topic)
 
     def see_model(self, sequence: int, topic: str) -> None:
         """Take a model of a topic, by the sample that it includes last."""
         odd, self._newest = sequence <= self._newest, sequence
         if self._models.saw(odd):
-            self._latch(MODELS, topic)
+            self._latch('models', topic)
 
     def latched(self) -> str:
         """Say that 0 V is latched, as `with_source`, and who else answers for a strut, which latches it."""
@@ -62,7 +60,13 @@ class SourceWatch:
         what = f'0 V: latched by {by}, which says why on /diagnostics, until {resets} is called'
         return complaint.replace(_LATCHED, what) if sources else complaint
 
-    def _latch(self, why: int, topic: str) -> None:
-        self._node.core.stop(why=why)
-        named = too_many_writers(self._node, topic)
-        self._node.get_logger().error(f'0 V: {text_of(why)}{": " if named else ""}{named}')
+    def _latch(self, what: str, topic: str) -> None:
+        found = two_sources(
+            self._node,
+            topic,
+            f'two sources of {what}, end one of them',
+            f'{what} as of two sources',
+        )
+        why = f'fault: {found}; then call ~/reset'
+        self._node.core.stop(why=reason(why))
+        self._node.get_logger().error(f'0 V: {why}')

@@ -6,9 +6,11 @@ import time
 from typing import Any
 
 import numpy as np
-from satvib_common.ros.loop.rivals import too_many_writers
+from satvib_common.ros.loop.rivals import too_many_writers, two_sources
 from satvib_common.ros.reporting import QUIET, source_of
 from satvib_common.struts.applied import Applied
+
+from satvib_plant_sim.nodes.realtime_commands import RIVALS
 
 # s, within which a node finds the others, and between two looks
 _TO_BE_FOUND, _LOOK = 2.0, 0.02
@@ -18,6 +20,14 @@ def others_of(node: Any, strut_index: int) -> str:
     """Give a text that names two controllers of a strut, or two plants; empty: there is one of each."""
     strut = node.names[strut_index]
     return too_many_writers(node, f'{strut}/voltage', f'{strut}/acceleration')
+
+
+def rivals_of(node: Any, strut_index: int) -> str:
+    """Say who answers the samples of a strut twice."""
+    if others := others_of(node, strut_index):
+        return f'{RIVALS}: {others}'
+    topic = f'{node.names[strut_index]}/voltage'
+    return two_sources(node, topic, RIVALS, 'its samples are answered twice')
 
 
 def others_in_the_end(node: Any, strut_index: int) -> str:

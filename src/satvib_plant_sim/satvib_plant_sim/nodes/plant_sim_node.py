@@ -23,7 +23,7 @@ from satvib_common.struts.names import strut_names
 
 from satvib_msgs.msg import Schedule, VcaVoltage
 from satvib_plant_sim.nodes.arrivals import Arrivals
-from satvib_plant_sim.nodes.awaited import awaited, others_in_the_end, others_of
+from satvib_plant_sim.nodes.awaited import awaited, others_in_the_end, others_of, rivals_of
 from satvib_plant_sim.nodes.lockstep_answers import ANOTHER_PLANT, Answers
 from satvib_plant_sim.nodes.parameters import PlantParameters
 from satvib_plant_sim.nodes.plant_messages import PlantOutputs
@@ -51,11 +51,11 @@ class PlantSimNode(SatvibNode[PlantParameters]):
         self.out = PlantOutputs(self.publish_on, names, plant, pace, block)
         self.arrivals = Arrivals(p.arrival_file)
         self.clock, self.published_at = SimClock(self), 0.0
-        others, resume = partial(others_of, self), p.after_silence == 'resume'
+        rivals, resume = partial(rivals_of, self), p.after_silence == 'resume'
         self.others, self.ahead = partial(others_in_the_end, self), Rivals()
-        self.answers = Answers(names, others, self.others)
+        self.answers = Answers(names, partial(others_of, self), self.others)
         self.commands = Commands(
-            names, p.command_timeout, plant.dt, resume, p.return_time, others, p.voltage_limit(),
+            names, p.command_timeout, plant.dt, resume, p.return_time, rivals, p.voltage_limit(),
         )  # fmt: skip
         self.k, self.end_at, self.awaited = -1, 0, 0  # sample that is out, end, voltages to come
         self.gate = ScheduleGate(self, 'schedule', 1.0 / plant.dt, lambda: self.k >= 0, self.names)

@@ -40,7 +40,7 @@ class Commands:
         period: s, sample period.
         resume: go on after a silence; else latch.
         return_time: s, over which the voltage rises after a silence.
-        others: names who else answers for a strut, for people.
+        rivals: says who else answers the samples of a strut, for people.
         limit: V, what the amplifiers can give in real time, either way.
 
     Attributes:
@@ -59,11 +59,11 @@ class Commands:
         period: float,
         resume: bool = True,
         return_time: float = 0.3,
-        others: Callable[[int], str] = lambda _: '',
+        rivals: Callable[[int], str] = lambda _: RIVALS,
         limit: float = math.inf,
     ) -> None:
         struts = len(names)
-        self.names, self.period, self._others = tuple(names), period, others
+        self.names, self.period, self._who = tuple(names), period, rivals
         self.apply(timeout, resume, return_time)
         self.late = self.stale = 0
         self.fault = np.zeros(struts, dtype=bool)
@@ -123,8 +123,7 @@ class Commands:
     def is_answered(self, strut: int, again: bool) -> bool:
         """Take whether a voltage answers a sample that has its answer; many of them latch 0 V. Gives `again`."""
         if self._rivals[strut].saw(again):
-            others = self._others(strut)
-            self.latch(strut, f'{RIVALS}: {others}' if others else RIVALS)
+            self.latch(strut, self._who(strut))
         return again
 
     def latch(self, strut: int, why: str) -> None:

@@ -14,6 +14,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
+from satvib_common.ros.loop.rivals import node_of
 from satvib_common.ros.main import lone_node
 from satvib_common.ros.qos import wanted
 
@@ -186,8 +187,7 @@ class Listener:
             if not everything and not kinds[0].startswith(_OURS):
                 continue
             ends = [
-                tuple(sorted(f'{i.node_namespace}/{i.node_name}'.replace('//', '/') for i in infos
-                             if i.node_name != _OWN))
+                tuple(sorted(node_of(info) for info in infos if info.node_name != _OWN))
                 for infos in (
                     self._node.get_publishers_info_by_topic(name),
                     self._node.get_subscriptions_info_by_topic(name),

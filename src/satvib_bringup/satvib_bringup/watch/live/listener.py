@@ -19,6 +19,7 @@ from rclpy.subscription import Subscription
 from rclpy.task import Future
 from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF
 from satvib_common.ros.host import make_executor
+from satvib_common.ros.loop.rivals import UNKNOWN, node_of
 from satvib_common.ros.main import lone_node
 from satvib_common.ros.qos import wanted
 
@@ -105,8 +106,8 @@ class GraphListener:
 
     def _writers(self, topic: str) -> Iterator[str]:
         for info in self.node.get_publishers_info_by_topic(topic):
-            if not info.node_name.startswith('_'):  # not known yet
-                yield f'{info.node_namespace.rstrip("/")}/{info.node_name}'
+            if info.node_name != UNKNOWN:
+                yield node_of(info)
 
     def _runs_on(self, topic: str) -> bool:
         """Whether the struts of a schedule are heard, which means that its run has begun."""

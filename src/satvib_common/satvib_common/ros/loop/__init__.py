@@ -9,7 +9,14 @@ from satvib_common.door import door
 if TYPE_CHECKING:
     from satvib_common.ros.loop.applied_block import AppliedBlocks
     from satvib_common.ros.loop.pace import PaceFollower
-    from satvib_common.ros.loop.rivals import too_many_writers, writers_of
+    from satvib_common.ros.loop.rivals import node_of, too_many_writers, two_sources, writers_of
 
-__all__ = ['AppliedBlocks', 'PaceFollower', 'too_many_writers', 'writers_of']
+__all__ = [
+    'AppliedBlocks',
+    'PaceFollower',
+    'node_of',
+    'too_many_writers',
+    'two_sources',
+    'writers_of',
+]
 __getattr__, __dir__ = door(__name__, __file__)
