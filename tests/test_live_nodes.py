@@ -292,6 +292,39 @@ def test_a_damaged_model_of_the_time_before_ends_no_controller(start, probe):
     assert controller.popen.poll() is None
 
 
+def test_a_model_that_no_law_can_use_ends_no_run(start, probe):
+    """Truth: the rule of `Fit`, and the samples after the one with which the model would be taken are answered."""
+    from rclpy.duration import Duration
+    from satvib_common.phases import Phase
+
+    from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration, VcaVoltage
+
+    controller = start(*CONTROLLER, '/strut_1', sample_rate=200.0)
+    models = probe.publisher(IirParameters, '/strut_1/identified_model')
+    samples = probe.publisher(StrutAcceleration, '/strut_1/acceleration')
+    answers = probe.collect(VcaVoltage, '/strut_1/voltage')
+    plan = probe.publisher(Schedule, '/schedule')
+    every = (models, samples, plan)
+    probe.wait(lambda: all(out.get_subscription_count() == 1 for out in every))
+    plan.publish(schedule(phases=((Phase.IDENTIFY, 0), (Phase.CONTROL, 5))))
+
+    def answered(k):
+        samples.publish(StrutAcceleration(sequence=k, sample_period=0.005))
+        probe.wait(lambda: answers and answers[-1].sequence == k)
+
+    for k in range(4):
+        answered(k)
+    base = {'sequence': 3, 'sample_period': 0.005, 'converged': True}
+    long = {'a': [0.0], 'b': [1.0], 'covariance': [0.0] * 4, 'delay': 65535}
+    models.publish(IirParameters(**base, **long))
+    models.publish(IirParameters(**base, a=[0.5], covariance=[1.0], delay=1))
+    assert models.wait_for_all_acked(Duration(seconds=30))
+    for k in range(4, 10):
+        answered(k)
+    assert 'refused: strut_1 identified_model: ' in controller.said
+    assert controller.popen.poll() is None
+
+
 def test_the_plant_refuses_a_voltage_that_is_no_number(start, probe):
     """Truth: the issue's bar. One line with strut and sample, exit code 2."""
     from satvib_msgs.msg import Schedule, StrutAcceleration, VcaVoltage

@@ -31,6 +31,8 @@ from satvib_msgs.msg import IirParameters, Schedule, StrutAcceleration
 
 # a sample that does not follow those before
 _ODD = frozenset({Arrival.REPEAT, Arrival.STRAY, Arrival.RESTART})
+# samples that a model looks back; an identifier has at most 120, and a design of 65535 would take seconds
+_LONGEST = 1000
 
 
 class StrutControllerNode(ControllerNode[ControllerParameters]):
@@ -139,8 +141,7 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         self.proceed()
 
     def _on_model(self, message: IirParameters) -> None:
-        count, found = len(message.a) + len(message.b), len(message.covariance)
-        wrong = '' if found == count * count else f'{found} covariances for {count} parameters'
+        wrong = _wrong_with(message)
         if not self.fit.takes(f'{self.strut} identified_model', message.sample_period, wrong):
             return
         self.sources.see_model(message.sequence, 'identified_model')
@@ -174,6 +175,17 @@ class StrutControllerNode(ControllerNode[ControllerParameters]):
         why = self.reasons.take(m.reason)
         self.core.set_model(model, np.asarray(m.converged), why, covariance)
         self.changes.see_model(k, plan.at(k), m)
+
+
+def _wrong_with(model: IirParameters) -> str:
+    """Why a message holds no model that a controller can use; empty: it does."""
+    poles, inputs, found = len(model.a), len(model.b), len(model.covariance)
+    if not inputs:
+        return 'no coefficient b'
+    if max(poles, model.delay + inputs) > _LONGEST:
+        return f'{poles} poles, {inputs} coefficients b and a delay of {model.delay}; {_LONGEST} are possible'
+    count = poles + inputs
+    return '' if found == count * count else f'{found} covariances for {count} parameters'
 
 
 def main() -> None:
