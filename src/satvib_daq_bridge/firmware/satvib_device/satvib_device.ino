@@ -109,19 +109,27 @@ struct Section {
     s2 = b2 * x - a2 * y;
     return y;
   }
+  // the state in which it is after a long time at x; its gain at rest is 1
+  void settle(double x) {
+    s1 = (1.0 - b0) * x;
+    s2 = (b2 - a2) * x;
+  }
 };
 
 Section filters[kInputs][2];
 
-// Tustin with the corner prewarped; Q of the two sections of a fourth-order Butterworth.
+// Tustin with the corner prewarped; Q of the two sections of a fourth-order Butterworth. They begin at the present
+// readings: from 0 V the first samples would show a step, and the host would refuse the bias that it learns from them.
 void designFilters(double corner) {
   const double q[2] = {0.541196100146197, 1.306562964876377};
   const double k = tan(PI * corner * kFastPeriod * 1e-6);
-  for (auto &channel : filters) {
+  for (uint8_t input = 0; input < kInputs; ++input) {
+    const double present = readInput(input);
     for (int i = 0; i < 2; ++i) {
       const double norm = 1.0 / (1.0 + k / q[i] + k * k);
-      channel[i] = Section{k * k * norm, 2.0 * k * k * norm, k * k * norm, 2.0 * (k * k - 1.0) * norm,
-                           (1.0 - k / q[i] + k * k) * norm};
+      filters[input][i] = Section{k * k * norm, 2.0 * k * k * norm, k * k * norm, 2.0 * (k * k - 1.0) * norm,
+                                  (1.0 - k / q[i] + k * k) * norm};
+      filters[input][i].settle(present);
     }
   }
 }

@@ -12,16 +12,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from satvib_daq_bridge.protocol.framing import frame
+from satvib_daq_bridge.protocol.framing import FrameReader, frame
 from satvib_daq_bridge.protocol.messages import (
     Command,
     Configure,
     Hello,
     Hold,
     Identity,
+    Sample,
     Stop,
     Zero,
     pack,
+    read_stream,
 )
 from satvib_daq_bridge.simulated.device import Device
 
@@ -171,3 +173,24 @@ def test_the_sketch_compiles_without_a_warning():
         ],
         check=True,
     )  # fmt: skip
+
+
+@needs_compiler
+def test_the_first_samples_of_a_session_are_those_of_a_sensor_at_rest(tmp_path):
+    """A filter that begins at 0 V would show the bridge a step, and no bias could be learnt from it.
+
+    Truth: what the ADC reads, 2.5 V, in uV; to 2 uV, as the filter counts in doubles and the wire in whole uV.
+    """
+    program = tmp_path / 'sketch'
+    sources = [f'-I{HERE / "firmware"}', HERE / 'firmware' / 'sketch.cpp']
+    subprocess.run([COMPILER, *FLAGS, '-O1', '-o', program, *sources], check=True)
+    code, samples = 1552, 20
+    for rate in (50, 200, 1000):
+        setup = Configure(1, 1, 10**9 // rate, 50_000, Hold.LINEAR, 6, (9_000_000,) * 3)
+        asked = [str(code), frame(pack(setup)).hex(), str((samples + 2) * 10**6 // rate)]
+        said = subprocess.run([program, *asked], check=True, capture_output=True, text=True).stdout
+        heard = read_stream(FrameReader(), bytes.fromhex(said))
+        found = [m for m in heard if isinstance(m, Sample)]
+        assert [m.number for m in found[:samples]] == list(range(samples))
+        read = code * 2.0 * 3.3e6 / 4096.0
+        np.testing.assert_allclose([m.inputs for m in found], read, rtol=0, atol=2.0)
