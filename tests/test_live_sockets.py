@@ -5,6 +5,7 @@
 import contextlib
 import os
 import re
+import shutil
 import subprocess
 import sys
 from collections import defaultdict
@@ -13,6 +14,7 @@ from pathlib import Path
 import pytest
 
 LOOPBACK = '0100007F'
+PAGE = Path(__file__).parent.parent / 'docs' / 'network.md'
 # all phases, in less time
 BRIEF = [
     'duration=6.0', 'phases.2.start=2.0', 'phases.3.start=3.0', 'disturbance.start=2.0', 'analysis={}',
@@ -61,6 +63,16 @@ def plain_node(folder, monkeypatch, discovery_range):
             process.wait()
 
 
+def shown_by_the_page(pid: int) -> int:
+    """How many sockets of a process the command of the page shows."""
+    lines = PAGE.read_text(encoding='utf-8').splitlines()
+    first = next(i for i, line in enumerate(lines) if line.startswith('    first='))
+    last = next(i for i, line in enumerate(lines) if i >= first and not line)
+    script = '\n'.join(lines[first:last])
+    done = subprocess.run(['bash', '-c', script], capture_output=True, text=True, check=True)
+    return sum(f'pid={pid},' in line for line in done.stdout.splitlines())
+
+
 def sockets(pid: int) -> set[str]:
     """Local addresses (hexadecimal, as the kernel writes them) of the UDP and TCP sockets of a process."""
     inodes = set()
@@ -91,13 +103,18 @@ def test_a_node_listens_on_the_loopback_interface_alone(
     discovery_range,
     closed,
 ):
-    """However it was started: `ros2 run` sets no variable, ./satvib sets LOCALHOST. SUBNET opens it, and it says so."""
+    """However it was started: `ros2 run` sets no variable, ./satvib sets LOCALHOST. SUBNET opens it, and it says so.
+
+    The command of the page shows them: two ports of the domain, one to send from, one more.
+    """
     with plain_node(tmp_path, monkeypatch, discovery_range) as (process, log):
         assert probe.state_of('/plant_sim') == 'active'
         found = sockets(process.pid)
         assert found
         assert (found == {LOOPBACK}) == closed, found
         assert ('the graph is open' in log.read_text()) != closed
+        if shutil.which('ss'):
+            assert shown_by_the_page(process.pid) >= 4
 
 
 def test_every_process_of_a_run_is_on_the_loopback_interface_alone(
