@@ -84,7 +84,7 @@ def test_what_is_not_there_is_reported(tmp_path):
         replay_of(tmp_path / 'a.csv', columns={'strut_9.upper': 'a'})
 
 
-def write_bag(path, values, struts=3):
+def write_bag(path, values, struts=3, sequences=None):
     """A bag as the recorder writes it, with as much of a type as is needed."""
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -102,7 +102,8 @@ def write_bag(path, values, struts=3):
                 f'/strut_{i + 1}/acceleration', name, typestore=store
             )
             for k, row in enumerate(values):
-                message = store.types[name](header, 5 + k, 0.01, row[i], row[struts + i])
+                sequence = 5 + k if sequences is None else sequences[k]
+                message = store.types[name](header, sequence, 0.01, row[i], row[struts + i])
                 writer.write(connection, k, store.serialize_cdr(message, name))
 
 
@@ -120,3 +121,33 @@ def test_a_bag_without_a_strut_is_reported(tmp_path):
         SatvibError, match=r'no acceleration of strut_3 \(struts: strut_1, strut_2\)'
     ):
         replay_of(tmp_path / 'bag')
+
+
+def test_a_damaged_bag_is_one_line(tmp_path):
+    """Bytes that were turned over on the disk. Truth: it is played, or refused as a bag; nothing else is raised."""
+    write_bag(tmp_path / 'bag', np.zeros((100, 6)))
+    file = tmp_path / 'bag' / 'bag.mcap'
+    whole, refused = file.read_bytes(), []
+    rng = np.random.default_rng([3, 0])
+    for _ in range(30):
+        damaged = bytearray(whole)
+        for place in rng.integers(len(whole), size=20):
+            damaged[place] = rng.integers(256)
+        file.write_bytes(damaged)
+        try:
+            replay_of(tmp_path / 'bag')
+        except SatvibError as error:
+            refused.append(str(error))
+    assert len(refused) > 5
+    assert not any('\n' in line for line in refused)
+
+
+def test_a_bag_takes_memory_for_the_samples_that_are_in_it(tmp_path):
+    """A part of a long run is played from its first sample; one sequence that is damaged is refused, and named."""
+    values = np.random.default_rng([1, 0]).standard_normal((120, 6))
+    late = 2**62 + np.arange(120)
+    write_bag(tmp_path / 'late', values, sequences=late.tolist())
+    assert replay_of(tmp_path / 'late').volts.shape == (120, 6)
+    write_bag(tmp_path / 'far', values, sequences=[*range(119), 2**62])
+    with pytest.raises(SatvibError, match=f'360 accelerations of samples 0 to {2**62}'):
+        replay_of(tmp_path / 'far')
