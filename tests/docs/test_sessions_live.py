@@ -48,7 +48,10 @@ SESSIONS = [
 
 
 def pattern(lines):
-    """The expected lines as a regular expression; blanks at the ends of lines do not count."""
+    """The expected lines as a regular expression; blanks at the ends of lines do not count.
+
+    Neither does the length of the lines of a table, which follows the figures in it.
+    """
     parts = []
     for line in lines:
         if line.strip() == '...':
@@ -56,6 +59,7 @@ def pattern(lines):
             continue
         texts = re.split(r'~[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?', line.strip())
         quoted = [re.sub(r'(?:\\ )+', r'\\s+', re.escape(text)) for text in texts]
+        quoted = [re.sub('([━─])+', r'\1+', text) for text in quoted]
         text = r'(?:[-+]?[\d.]+(?:e[-+]?\d+)?|nan)'.join(quoted)
         parts.append(rf'\s*{text}\s*\n')
     return ''.join(parts)
@@ -65,6 +69,7 @@ def test_the_patterns():
     """Truth: texts written here."""
     assert re.fullmatch(pattern(['a ~1.5 b', '...', 'end']), 'a 22.75 b\nx\ny\nend\n')
     assert re.fullmatch(pattern(['a ~-3 b']), 'a   7  b\n')
+    assert re.fullmatch(pattern(['┏━━━━┓', '┃ ~10.0 ┃']), '┏━━━┓\n┃ 9.5 ┃\n')
     assert not re.fullmatch(pattern(['a 1.5 b']), 'a 22.75 b\n')
     assert not re.fullmatch(pattern(['a', 'end']), 'a\nx\nend\n')
 
