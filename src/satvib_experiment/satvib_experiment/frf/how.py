@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from satvib_common.arrays import Array
+from satvib_common.errors import SatvibError
 from satvib_ident.excitation.chirp import Chirp
 from satvib_ident.excitation.periodic import PeriodicExcitation
 from satvib_ident.frequency.averaged import averaged_response
@@ -121,19 +122,44 @@ def estimate(
     """
     if moved.steps:
         steps = [s for s in moved.steps if s[2] <= x.shape[-1]]
+        if not steps:
+            raise SatvibError('the stretch holds no whole step of the stepped sine')
         return stepped_response(x, y, dt, steps, confidence=settings.confidence)
     asked = settings.resolution or settings.averages
     if moved.whole and not asked and np.isfinite(x).all() and np.isfinite(y).all():
         # a sweep that begins and stops at once says little about its own ends
         found = local_response(x, y, dt, settings.confidence, rest=True)
-        return found.between(moved.low / _INSIDE, moved.high * _INSIDE)
+        return _between(found, moved.low / _INSIDE, moved.high * _INSIDE)
     if moved.period and x.shape[-1] >= _ENOUGH * moved.period and not asked:
         found = periodic_response(x, y, dt, moved.period, settings.confidence)
-        return found.between(moved.low, moved.high)
+        return _between(found, moved.low, moved.high)
     found = averaged_response(x, y, dt, settings)
     if moved.low > 0.0:
-        return found.between(moved.low, moved.high)
+        return _between(found, moved.low, moved.high)
     return measuring_lines(found, x, dt, settings)
+
+
+def _between(found: FrequencyResponse, low: float, high: float) -> FrequencyResponse:
+    kept = found.between(low, high)
+    if not kept.frequency.size:
+        raise SatvibError(
+            f'no line of the estimate ({found.method}) lies between {low:.4g} and {high:.4g} Hz: the band is too narrow'
+        )
+    return kept
+
+
+def period_samples(period: float, dt: float) -> int:
+    """Give the samples of a period in s.
+
+    Raises:
+        SatvibError: it is no whole number of samples, or fewer than three, which have no line.
+    """
+    samples = round(period / dt)
+    if samples < 3 or abs(samples * dt - period) > 1e-3 * dt * samples:
+        raise SatvibError(
+            f'--period: {period:g} s is no whole number of samples of {dt:g} s, of three at least'
+        )
+    return samples
 
 
 def heard(x: Array, dt: float, settings: FrfSettings) -> tuple[float, float]:

@@ -18,7 +18,7 @@ from satvib_ident.frequency.settings import FrfSettings
 from satvib_experiment.analysis.shortfalls import shortfalls
 from satvib_experiment.analysis.tones import disturbance_tones
 from satvib_experiment.frf.curve import OPEN, PATH, TRANSMISSIBILITY, Curve
-from satvib_experiment.frf.how import Moved, estimate
+from satvib_experiment.frf.how import Moved, estimate, period_samples
 from satvib_experiment.frf.lines import OnlyTones
 from satvib_experiment.frf.measurement import MeasurementSettings, base_scenario, coil_scenario
 from satvib_experiment.frf.paths import coupling, secondary_paths
@@ -188,14 +188,8 @@ def measure_columns(
     Raises:
         SatvibError: too short, or a period that is no whole number of samples.
     """
-    samples = 0
-    if period is not None:
-        samples = round(period / record.dt)
-        if samples < 2 or abs(samples * record.dt - period) > 1e-3 * record.dt * samples:
-            raise SatvibError(
-                f'{record.name}: --period: {period:g} s is no whole number of samples of {record.dt:g} s'
-            )
     try:
+        samples = 0 if period is None else period_samples(period, record.dt)
         x, y = record.values
         for name, signal in zip(names, (x, y), strict=True):
             _check_moves(name, signal)

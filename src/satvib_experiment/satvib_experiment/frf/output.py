@@ -102,11 +102,17 @@ def frf_mapping(
         'format': FORMAT,
         'source': source,
         'curves': [plain_curve(curve) for curve in curves],
-        'coupling': {'frequency': coupling[0], 'ratio': coupling[1].tolist()} if coupling else None,
+        'coupling': _plain_coupling(*coupling) if coupling else None,
         'shortfalls': list(shortfalls),
         'warnings': list(warnings),
         'notes': list(notes),
     }
+
+
+def _plain_coupling(frequency: list[float], ratio: Array) -> dict[str, Any]:
+    """Give the coupling as plain data; a ratio to a strut that does not move is None."""
+    rows = [[value if math.isfinite(value) else None for value in row] for row in ratio.tolist()]
+    return {'frequency': frequency, 'ratio': rows}
 
 
 def write_frf(curves: Sequence[Curve], mapping: dict[str, Any], folder: Path) -> None:

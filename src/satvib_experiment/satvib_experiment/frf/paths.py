@@ -128,5 +128,6 @@ def coupling(curves: list[Curve], struts: tuple[str, ...]) -> tuple[list[float],
         peak = int(np.nanargmax(np.where(own.coherence > 0.5, own.magnitude, 0.0)))
         at.append(float(own.frequency[peak]))
         for i, strut in enumerate(struts):
-            matrix[i, j] = paths[strut, coil].magnitude[peak] / own.magnitude[peak]
+            with np.errstate(divide='ignore', invalid='ignore'):  # a sensor that shows nothing
+                matrix[i, j] = paths[strut, coil].magnitude[peak] / own.magnitude[peak]
     return at, matrix

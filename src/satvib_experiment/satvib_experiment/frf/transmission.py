@@ -15,7 +15,13 @@ from satvib_experiment.analysis.tones import disturbance_onset
 from satvib_experiment.analysis.windows import Span, find_windows
 from satvib_experiment.frf.curve import BASE, HEAVE, OPEN, TRANSMISSIBILITY, Curve
 from satvib_experiment.frf.exact import base_direction, exact_plates
-from satvib_experiment.frf.how import Moved, base_directions, estimate, moved_by
+from satvib_experiment.frf.how import (
+    Moved,
+    base_directions,
+    estimate,
+    moved_by,
+    period_samples,
+)
 from satvib_experiment.frf.merit import merit_of
 from satvib_experiment.frf.modes import along, named_motions
 from satvib_experiment.recording.recording import Recording
@@ -59,7 +65,7 @@ def transmissibilities(
         dt = recording.sample_period
         moved = moved_by(disturbance, *span, dt) if disturbance else Moved()
         if period is not None:
-            moved = Moved(moved.low, moved.high, round(period / dt))
+            moved = Moved(moved.low, moved.high, period_samples(period, dt))
         found += _curves(recording, span, closed, moved, settings)
     return found
 

@@ -4,7 +4,8 @@
 
 import numpy as np
 import pytest
-from satvib_experiment.frf.how import Moved, estimate
+from satvib_common.errors import SatvibError
+from satvib_experiment.frf.how import Moved, estimate, period_samples
 from satvib_experiment.frf.lines import OnlyTones
 from satvib_ident.frequency.settings import FrfSettings
 from scipy.signal import chirp, lfilter
@@ -56,3 +57,28 @@ def test_what_is_broadband_keeps_its_band(x, low, high):
     assert np.sum(sure) > 30
     exact = 0.4 / np.abs(1.0 - 0.6 * np.exp(-2j * np.pi * found.frequency[sure] * DT))
     assert np.max(np.abs(20 * np.log10(found.magnitude[sure] / exact))) < 1.0
+
+
+@pytest.mark.parametrize(
+    ('moved', 'said'),
+    [
+        (Moved(10.0, 12.0, whole=True), 'between 11.11 and 10.8 Hz'),
+        (Moved(10.0, 10.02), 'between 10 and 10.02 Hz'),
+        (Moved(10.02, 10.05, period=2000), 'between 10.02 and 10.05 Hz'),
+        (Moved(steps=((5.0, 100, TIME.size + 1),)), 'no whole step'),
+    ],
+    ids=['sweep', 'random', 'multisine', 'step'],
+)
+def test_a_band_without_a_line_is_said(moved, said):
+    """Truth: of a sweep 0.9 of the band is used at either end, and the lines are 0.2 or 0.1 Hz apart."""
+    x = np.random.default_rng(1).normal(size=TIME.size)
+    with pytest.raises(SatvibError, match=said):
+        estimate(x, x, DT, moved, FrfSettings())
+
+
+@pytest.mark.parametrize('period', [0.013, 0.01, 0.001])
+def test_a_period_is_a_whole_number_of_samples(period):
+    """Two samples have a mean and half the sample rate, and no line between them."""
+    with pytest.raises(SatvibError, match=r'--period: .* no whole number of samples of 0\.005 s'):
+        period_samples(period, DT)
+    assert period_samples(0.015, DT) == 3
