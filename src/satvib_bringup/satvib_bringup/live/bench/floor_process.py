@@ -11,6 +11,7 @@ import os
 import sys
 import time
 from array import array
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -18,9 +19,9 @@ from typing import Any
 import numpy as np
 import rclpy
 from rclpy.node import Node
-from rclpy.task import Future
 from satvib_common.realtime import settle_memory
 from satvib_common.ros.host import make_executor
+from satvib_common.ros.loop.turns import Turns
 from satvib_common.ros.qos import offered, wanted
 from satvib_experiment.recording.topics import TOPICS
 
@@ -67,15 +68,21 @@ def identifier(strut: str) -> Node:
     return node
 
 
-def recorder(struts: list[str]) -> Node:
-    """Take everything as bytes."""
-    node = Node('recorder')
-    for strut in struts:
-        for topic, kind in TOPICS.values():
-            node.create_subscription(
-                getattr(msg, kind), f'{strut}/{topic}', lambda _: None, _ALL, raw=True
-            )
-    return node
+class Recorder:
+    """Takes everything as bytes, and counts it."""
+
+    def __init__(self, struts: list[str]) -> None:
+        self.node = Node('recorder')
+        self.heard = 0
+        for strut in struts:
+            for topic, kind in TOPICS.values():
+                self.node.create_subscription(
+                    getattr(msg, kind), f'{strut}/{topic}', self.take, _ALL, raw=True
+                )
+
+    def take(self, _message: bytes) -> None:
+        """Count a message."""
+        self.heard += 1
 
 
 class Source:
@@ -107,12 +114,13 @@ class Source:
         self.k, self.published = -1, [0.0]
         self.answered: set[int] = set()
         self.arrivals = array('d')
-        self.executor = make_executor()
-        self.executor.add_node(node)
+        executor = make_executor()
+        self.turns = Turns(executor, lambda: len(self.arrivals))
+        executor.add_node(node)
 
     def spin(self, seconds: float) -> None:
         """Take voltages for a while."""
-        self.executor.spin_until_future_complete(Future(), timeout_sec=seconds)
+        self.turns.take(seconds)
 
     def publish(self) -> None:
         """Publish the next sample, and the truth after it."""
@@ -185,16 +193,23 @@ class Source:
         return late
 
 
-def host(nodes: list[Node], pause: float) -> None:
-    """Spin until the process is ended."""
+def host(nodes: list[Node], pause: float = 0.0, handled: Callable[[], int] = lambda: 0) -> None:
+    """Spin until the process is ended.
+
+    Args:
+        nodes: of this process.
+        pause: s, between two looks at what has come.
+        handled: counts the messages that have been worked on; with a pause all that have come are worked on.
+    """
     executor = make_executor()
+    turns = Turns(executor, handled)
     for node in nodes:
         executor.add_node(node)
     settle_memory()
     while True:
         if pause:
             time.sleep(pause)
-        executor.spin_until_future_complete(Future(), timeout_sec=0.0 if pause else _SLICE)
+        turns.take(0.0 if pause else _SLICE)
 
 
 def main() -> None:
@@ -206,9 +221,10 @@ def main() -> None:
         Source(plan).run()
         os._exit(0)
     if roles == ['recorder']:
-        host([recorder(plan['struts'])], pause=0.02)
+        heard = Recorder(plan['struts'])
+        host([heard.node], pause=0.02, handled=lambda: heard.heard)
     make = {'controller': controller, 'identifier': identifier}
-    host([make[role](strut) for strut in plan['struts'] for role in roles], pause=0.0)
+    host([make[role](strut) for strut in plan['struts'] for role in roles])
 
 
 if __name__ == '__main__':

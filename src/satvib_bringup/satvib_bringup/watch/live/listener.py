@@ -16,10 +16,10 @@ from rcl_interfaces.msg import ParameterEvent
 from rclpy.context import Context
 from rclpy.qos import qos_profile_parameter_events
 from rclpy.subscription import Subscription
-from rclpy.task import Future
 from satvib_common.ros.diagnostics import READERS_OF, WRITERS_OF
 from satvib_common.ros.host import make_executor
 from satvib_common.ros.loop.rivals import UNKNOWN, node_of
+from satvib_common.ros.loop.turns import Turns
 from satvib_common.ros.main import lone_node
 from satvib_common.ros.qos import wanted
 
@@ -48,9 +48,11 @@ class GraphListener:
         self.changed: set[str] = set()
         self._context = Context()
         self.node = lone_node('watch', self._context, enclave_arguments(TOOLS))
-        self._executor = make_executor(self._context)
-        self._executor.add_node(self.node)
+        self._heard = 0  # messages that are of no strut
         self._struts: dict[str, StrutTopics] = {}
+        self._executor = make_executor(self._context)
+        self._turns = Turns(self._executor, self._handled)
+        self._executor.add_node(self.node)
         self._seen: dict[str, float] = {}
         self._schedules: dict[str, Subscription] = {}
         self.node.create_subscription(
@@ -62,7 +64,7 @@ class GraphListener:
 
     def work(self) -> None:
         """Take what has come; never waits."""
-        self._executor.spin_until_future_complete(Future(), timeout_sec=0.0)
+        self._turns.take(0.0)
 
     def collect(self) -> None:
         """Hand over what has come since the last call."""
@@ -85,10 +87,14 @@ class GraphListener:
 
     def close(self) -> None:
         """Leave the graph."""
+        self._turns.close()
         with contextlib.suppress(Exception):
             self._executor.shutdown(0.0)
             self.node.destroy_node()
         rclpy.try_shutdown(context=self._context)
+
+    def _handled(self) -> int:
+        return self._heard + sum(strut.heard for strut in self._struts.values())
 
     def _look_at(self, name: str, now: float) -> None:
         topics = self._struts.get(name)
@@ -119,6 +125,7 @@ class GraphListener:
 
     def _look_at_schedule(self, topic: str) -> None:
         def take(message: Schedule) -> None:
+            self._heard += 1
             self.graph.take_schedule(topic, message.scenario)
 
         heard = self._schedules.get(topic)
@@ -129,6 +136,7 @@ class GraphListener:
             self.node.destroy_subscription(self._schedules.pop(topic))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        self._heard += 1
         for status in message.status:
             figures = {
                 pair.key: pair.value
@@ -139,5 +147,6 @@ class GraphListener:
             self.graph.take_status(status.name, level, status.message, figures)
 
     def _on_parameters(self, event: ParameterEvent) -> None:
+        self._heard += 1
         if event.changed_parameters:
             self.changed.add(event.node)

@@ -61,6 +61,9 @@ class StrutTopics:
     Args:
         node: that listens.
         strut: takes what is heard.
+
+    Attributes:
+        heard: messages that have come.
     """
 
     def __init__(self, node: Node, strut: WatchedStrut) -> None:
@@ -69,6 +72,7 @@ class StrutTopics:
         self._many: dict[str, list[bytes]] = {}
         self._newest: dict[str, tuple[Any, bytes]] = {}
         self.has_progress = False
+        self.heard = 0
         self._progress = self._hear_newest('progress', StrutProgress)
 
     @property
@@ -128,6 +132,7 @@ class StrutTopics:
         rows = self._many[topic] = []
 
         def take(message: bytes) -> None:
+            self.heard += 1
             if len(rows) < _MOST:
                 rows.append(message)
 
@@ -135,6 +140,7 @@ class StrutTopics:
 
     def _hear_newest(self, topic: str, kind: Any) -> Subscription:
         def take(message: bytes) -> None:
+            self.heard += 1
             self._newest[topic] = (kind, message)
             self.has_progress |= topic == 'progress'
 
