@@ -118,7 +118,15 @@ def test_processes_get_their_enclaves_only_with_sros2(monkeypatch):
     assert enclave_arguments('plant_sim') == []
 
 
-@pytest.mark.parametrize('words', [('run', 'quick_3dof'), ('topics',), ('watch', '--port', '0')])
+@pytest.mark.parametrize(
+    'words',
+    [
+        ('run', 'quick_3dof'),
+        ('topics',),
+        ('call', '/strut_1/strut_controller/reset'),
+        ('watch', '--port', '0'),
+    ],
+)
 def test_a_process_without_its_key_is_refused_in_one_line(tmp_path, words):
     """Truth: ROS, with `Enforce`: no key, no node. Not one word of a traceback, and exit code 2."""
     environment = os.environ | {

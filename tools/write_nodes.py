@@ -29,10 +29,11 @@ Every node of satvib: what it subscribes to, what it publishes, its services, it
 `/diagnostics`, and what ends it. This page is written by `tools/write_nodes.py`, which makes each node and asks it.
 
 All nodes are lifecycle nodes that start themselves (parameter `autostart`, default true). All have the services
-`~/stop` (a safe state, latched) and `~/reset`, and report once a second on `/diagnostics`. A name without a leading
-slash is in the namespace of the node, and `strut_i/` stands for every strut. A type without a package is one of
-satvib_msgs. The nodes of a strut live in its namespace, so `../schedule` is the schedule of the namespace above:
-`/schedule` for `/strut_1`, `/rig_a/schedule` for `/rig_a/strut_1`.
+`~/stop` (a safe state, latched) and `~/reset`: `./satvib call /strut_1/strut_controller/reset` calls one. All report
+once a second on `/diagnostics`. A name without a leading slash is in the namespace of the node, and `strut_i/` stands
+for every strut. A type without a package is one of satvib_msgs. The nodes of a strut live in its namespace, so
+`../schedule` is the schedule of the namespace above: `/schedule` for `/strut_1`, `/rig_a/schedule` for
+`/rig_a/strut_1`.
 
 | quality of service | means |
 |---|---|

@@ -25,7 +25,7 @@ from satvib_bringup.cli.commands import (
     table,
     tune,
 )
-from satvib_bringup.cli.commands.graph import node, policy, topics, watch
+from satvib_bringup.cli.commands.graph import call, node, policy, topics, watch
 from satvib_bringup.cli.commands.isolator import frf, judge
 from satvib_bringup.cli.last_resort import EXIT_CODE, is_switched_off, last_resort, show
 
@@ -52,6 +52,7 @@ app.command('compare', short_help='Compare control schemes.')(compare.compare)
 app.command('bench', short_help='How fast the live graph is on this machine.')(bench.bench)
 app.command('node', short_help='Start any node.', context_settings=node.SETTINGS)(node.node)
 app.add_typer(topics.app, name='topics', short_help='Topics of a running graph: list, rate, echo.')
+app.command('call', short_help='Call a service of a running graph: reset, stop, arm.')(call.call)
 app.command('policy', short_help="The SROS2 policy of a scenario's graph.")(policy.policy)
 app.command('watch', short_help='A local web page of a running graph.')(watch.watch)
 app.command('scenarios')(listing.scenarios)

@@ -39,6 +39,7 @@ def test_help_names_every_command(satvib):
         'identify',
         'study',
         'table',
+        'call',
         'scenarios',
         'rigs',
     ):

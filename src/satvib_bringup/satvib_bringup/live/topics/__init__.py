@@ -9,6 +9,7 @@ from satvib_common.door import door
 if TYPE_CHECKING:
     from satvib_bringup.live.topics.listener import Listener, Rate, TopicRow
     from satvib_bringup.live.topics.readable import text_of
+    from satvib_bringup.live.topics.visitor import Visitor
 
-__all__ = ['Listener', 'Rate', 'TopicRow', 'text_of']
+__all__ = ['Listener', 'Rate', 'TopicRow', 'Visitor', 'text_of']
 __getattr__, __dir__ = door(__name__, __file__)

@@ -6,19 +6,15 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, Self
+from typing import Any
 
-import rclpy
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from satvib_common.errors import SatvibError
 from satvib_common.files.suggestions import nearest
 from satvib_common.ros.loop.rivals import node_of
-from satvib_common.ros.main import lone_node
 from satvib_common.ros.qos import wanted
 
-from satvib_bringup.live.security.enclaves import TOOLS, enclave_arguments
+from satvib_bringup.live.topics.visitor import Visitor
 
 _SLICE = 0.05  # s
 _PATIENCE = 5.0  # s, for a topic that is named
@@ -74,24 +70,11 @@ class Rate:
         return (self.messages - 1) / (self.last - self.first) if self.messages > 1 else 0.0
 
 
-class Listener:
+class Listener(Visitor):
     """A context manager with a node in a context of its own."""
 
     def __init__(self) -> None:
-        self._context = Context()
-        self._node = lone_node(_OWN, self._context, enclave_arguments(TOOLS))
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
-
-    def __enter__(self) -> Self:
-        """The node is there already."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Leave the graph."""
-        self._executor.shutdown()
-        self._node.destroy_node()
-        rclpy.try_shutdown(context=self._context)
+        super().__init__(_OWN)
 
     def topics(self, patience: float = 2.0, everything: bool = False) -> list[TopicRow]:
         """Give the topics of satvib that anybody writes or reads, by name.
@@ -149,9 +132,6 @@ class Listener:
                     f'{", ".join(row.writers) or "nobody"}'
                 )
             self._spin(_SLICE)
-
-    def _spin(self, seconds: float) -> None:
-        self._executor.spin_once(timeout_sec=seconds)
 
     def _chosen(self, names: Sequence[str]) -> list[TopicRow]:
         """The topics of these names, for which it waits; without names all that are written."""

@@ -9,9 +9,9 @@ from typing import Any, Protocol
 
 from satvib_common.errors import RunError, SatvibError
 
+from satvib_bringup.live.services.remote import Remote
 from satvib_bringup.watch.graph import WatchedGraph
 from satvib_bringup.watch.live.record import Recording
-from satvib_bringup.watch.live.remote import Remote
 
 
 class Asker(Protocol):

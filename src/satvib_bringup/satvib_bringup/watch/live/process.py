@@ -17,11 +17,11 @@ from satvib_common.errors import SatvibError
 from satvib_common.realtime import set_niceness
 from satvib_common.transport.reach import set_transport
 
+from satvib_bringup.live.services.remote import Remote
 from satvib_bringup.watch.graph import WatchedGraph
 from satvib_bringup.watch.live.commands import Commands
 from satvib_bringup.watch.live.listener import GraphListener
 from satvib_bringup.watch.live.record import Recording
-from satvib_bringup.watch.live.remote import Remote
 from satvib_bringup.watch.server import Pages, serve
 
 NICENESS = 10  # the graph goes first

@@ -7,8 +7,8 @@ client's reader yet. Everything that is asked here may be asked twice.
 """
 
 import asyncio
-import contextlib
 import math
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -19,8 +19,8 @@ from rclpy.parameter_client import AsyncParameterClient
 from satvib_common.errors import SatvibError
 from std_srvs.srv import Trigger
 
-_TRIES, _PATIENCE = 3, 5.0  # s for each try
-_LOOK = 0.01  # s
+LOOK = 0.01  # s, between two looks whether an answer is there
+_AGAIN, _PATIENCE = 5.0, 15.0  # s: after which it is asked again, and given up
 _AT_ONCE = 5  # requests; a service keeps ten
 _KINDS = {
     Parameter.Type.BOOL: bool,
@@ -60,15 +60,21 @@ class Remote:
         """Whether a node offers a service of a kind, as far as is known now."""
         return bool(self._trigger(f'{node}/{what}').service_is_ready())
 
-    async def trigger(self, node: str, what: str) -> tuple[bool, str]:
+    async def trigger(self, node: str, what: str, patience: float = _PATIENCE) -> tuple[bool, str]:
         """Call ~/`what` of a node; gives whether it was done, and what the node says.
+
+        Args:
+            node, what: names.
+            patience: s, until it must have answered.
 
         Raises:
             SatvibError: no answer.
         """
         name = f'{node}/{what}'
         client = self._trigger(name)
-        response = await self._ask(name, client, lambda: client.call_async(Trigger.Request()))
+        response = await self._ask(
+            name, client, lambda: client.call_async(Trigger.Request()), patience
+        )
         return bool(response.success), str(response.message)
 
     async def parameters(self, node: str) -> list[dict[str, Any]]:
@@ -132,26 +138,28 @@ class Remote:
             self._parameters[node] = AsyncParameterClient(self._node, node)
         return self._parameters[node]
 
-    async def _ask(self, name: str, client: Any, call: Callable[[], Any]) -> Any:
+    async def _ask(
+        self, name: str, client: Any, call: Callable[[], Any], patience: float = _PATIENCE
+    ) -> Any:
+        """Ask until an answer comes; that of an earlier call is as good."""
         is_ready = getattr(client, 'service_is_ready', None) or client.services_are_ready
+        asked: list[Any] = []
+        again = 0.0  # s of the steady clock
         self.waiting += 1
         try:
-            for _ in range(_TRIES):
-                with contextlib.suppress(TimeoutError):
-                    async with asyncio.timeout(_PATIENCE):
-                        return await self._once(is_ready, call)
+            async with asyncio.timeout(patience):
+                while True:
+                    if time.monotonic() >= again and is_ready():
+                        asked.append(call())
+                        again = time.monotonic() + _AGAIN
+                    for future in asked:
+                        if future.done():
+                            return future.result()
+                    await asyncio.sleep(LOOK)
+        except TimeoutError:
+            raise SatvibError(f'{name}: no answer within {patience:g} s') from None
         finally:
             self.waiting -= 1
-        raise SatvibError(f'{name}: no answer')
-
-    @staticmethod
-    async def _once(is_ready: Callable[[], bool], call: Callable[[], Any]) -> Any:
-        while not is_ready():
-            await asyncio.sleep(_LOOK)
-        future = call()
-        while not future.done():
-            await asyncio.sleep(_LOOK)
-        return future.result()
 
 
 def typed(name: str, value: Any, kind: Parameter.Type) -> Any:
