@@ -36,6 +36,7 @@ def test_a_service_is_called_and_its_node_answers(start, probe, call):
     from satvib_bringup.live.services.caller import Caller
 
     node = start('satvib_control', 'strut_controller', '/strut_1')
+    probe.wait(lambda: STOP in dict(probe.node.get_service_names_and_types()))
     assert call(STOP) == (0, 'success: 0 V from the next sample on, until reset\n', '')
     typed = subprocess.run(
         [sys.executable, '-m', 'satvib_bringup.start', 'call', RESET.lstrip('/')],
