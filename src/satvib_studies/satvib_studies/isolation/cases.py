@@ -19,6 +19,7 @@ from satvib_common.files.yaml_file import load_yaml
 from satvib_common.schema import Schema, param
 from satvib_common.settings_text import change_settings
 from satvib_experiment.frf.measurement import MeasurementSettings, base_scenario
+from satvib_experiment.frf.modes import named_motions
 from satvib_experiment.scenario.centralized_scheme import take_gains
 from satvib_experiment.scenario.scenario import Scenario, check_scenario, load_scenario
 from satvib_ident.frequency.settings import FrfSettings
@@ -122,6 +123,8 @@ class Isolation(Schema):
             loaded = made.load_rig()
             if not isinstance(loaded, Rig):
                 raise SatvibError(f'{where}: {loaded.name} has no geometry')
+            if len(named_motions(loaded)[0]) < 2:
+                raise SatvibError(f'{where}: {loaded.name} has one strut, and nothing to tilt')
             if seed != self.seed:
                 changes = drawn_changes(loaded, seed)
                 made = made.replace(rig_overrides={**made.rig_overrides, **changes})

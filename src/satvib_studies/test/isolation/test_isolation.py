@@ -93,3 +93,10 @@ def test_what_is_wrong_is_named(change, said):
         load_isolation(None, [change])
     assert said in str(error.value)
     assert '\n' not in str(error.value)
+
+
+def test_a_rig_of_one_strut_is_refused():
+    """It has no motions of the payload, so none of the figures; it ended with a traceback after all runs."""
+    case = 'rigs.one={scenario: paper_1dof_10hz, wheel: paper_1dof_10hz}'
+    with pytest.raises(SatvibError, match='one, open: paper_1dof has one strut'):
+        load_isolation(None, [case, 'seeds=1']).measured('one', OPEN)
