@@ -58,15 +58,21 @@ def test_the_policy_is_what_the_nodes_do(tmp_path, probe, composition, more):
     outcome = run_experiment(scenario, tmp_path / 'run', progress=look, composition=composition)
     assert outcome.success, outcome.message
     graph = graph_of(scenario, False, tmp_path / 'bag', composition)
-    rights = {(r.namespace, r.name): r for nodes in rights_of(graph).values() for r in nodes}
     assert len(found) == len(graph.nodes) + 1
-    for node, done in found.items():
-        for kind, names in done.items():
-            allowed = getattr(rights[node], kind)
-            assert names <= allowed, f'{node} {kind}'
+    rights = rights_of(graph)
+    assert set(found) <= {(r.namespace, r.name) for nodes in rights.values() for r in nodes}
+    for process, nodes in rights.items():
+        there = [right for right in nodes if (right.namespace, right.name) in found]
+        for kind in ('publishes', 'subscribes', 'replies', 'requests'):
+            for right in there:
+                extra = found[right.namespace, right.name][kind] - getattr(right, kind)
+                assert extra == set(), f'{process} {right.name} {kind}'
+            # nodes of one process hear a topic by one subscription; keys are those of the process
+            done = set().union(*(found[right.namespace, right.name][kind] for right in there))
+            allowed = frozenset().union(*(getattr(right, kind) for right in there))
             rare = SOMETIMES.get(kind, set())
-            unused = {n for n in allowed - names if n.rpartition('/')[2] not in rare}
-            assert unused == set(), f'{node} {kind}'
+            unused = {n for n in allowed - done if n.rpartition('/')[2] not in rare}
+            assert unused == set(), f'{process} {kind}'
 
 
 @pytest.fixture
