@@ -19,5 +19,4 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from workspace.steps import prepare
 
 if __name__ == '__main__':
-    # a help text computes nothing
-    sys.exit(prepare(*sys.argv[1:2]) if '--help' not in sys.argv else prepare('--help'))
+    sys.exit(prepare(*sys.argv[1:]))

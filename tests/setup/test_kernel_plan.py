@@ -6,6 +6,7 @@ Truth: what the nodes of the graph import when they start, and the kernels that 
 """
 
 import os
+import shutil
 import subprocess
 import sys
 import threading
@@ -59,6 +60,7 @@ def test_the_demo_compiles_less_than_all_and_its_law_last():
 
 def test_commands_that_only_tell_something_compile_nothing():
     assert [need_of(word) for word in ('', '--help', 'scenarios')] == [Need.NOTHING] * 3
+    assert need_of() is need_of('judge', '--help') is Need.NOTHING
     assert need_of('demo') is Need.DEMO
     assert need_of('run') is need_of('test') is Need.ALL
 
@@ -101,3 +103,15 @@ def test_a_cancelled_plan_lets_the_workers_go():
     plan.cancel()
     waiting.join(timeout=60)
     assert not waiting.is_alive()
+
+
+def test_set_up_is_told_all_words_of_the_command(tmp_path):
+    """Truth: what the script `satvib` itself hands to a set-up that only prints it, and then fails."""
+    (tmp_path / 'tools').mkdir()
+    (tmp_path / 'tools/bootstrap.py').write_text('import sys; sys.exit(" ".join(sys.argv[1:]))')
+    shutil.copy(ROOT / 'satvib', tmp_path)
+    done = subprocess.run(
+        [tmp_path / 'satvib', 'judge', '--help'], env=os.environ | {'SATVIB_PYTHON': sys.executable},
+        capture_output=True, text=True, check=False, timeout=60,
+    )  # fmt: skip
+    assert done.stderr == 'judge --help\n'

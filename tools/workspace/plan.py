@@ -29,9 +29,10 @@ class Need(enum.Enum):
     ALL = 'all'
 
 
-def need_of(command: str) -> Need:
-    """Tell how much the first word after `satvib` needs."""
-    if command in {'', 'scenarios', 'rigs', 'shell'} or command.startswith('-'):
+def need_of(command: str = '', *more: str) -> Need:
+    """Tell how much the words after `satvib` need. A help text computes nothing."""
+    tells = command in {'', 'scenarios', 'rigs', 'shell'} or command.startswith('-')
+    if tells or '--help' in more:
         return Need.NOTHING
     return Need.DEMO if command == 'demo' else Need.ALL
 

@@ -15,11 +15,11 @@ from workspace.plan import need_of
 from workspace.prefix import make_prefix
 
 
-def prepare(command: str = '') -> int:
+def prepare(*command: str) -> int:
     """Bring the workspace up to date; say nothing when it is.
 
     Args:
-        command: the first word after `satvib`; what it does not need is left for later.
+        command: the words after `satvib`; what they do not need is left for later.
 
     Returns:
         an exit code: 0, 2 when something is missing (said in one line), 130 when interrupted.
@@ -31,7 +31,7 @@ def prepare(command: str = '') -> int:
             check_machine(own_ros)
             make_environment(own_ros)
             make_prefix(own_ros)
-            kernels = Kernels(need_of(command))
+            kernels = Kernels(need_of(*command))
             try:
                 kernels.start()
                 build(own_ros)

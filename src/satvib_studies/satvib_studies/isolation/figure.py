@@ -17,7 +17,7 @@ from satvib_studies.isolation.cases import KINDS, OPEN, Isolation
 from satvib_studies.isolation.numbers import HEAVE
 from satvib_studies.isolation.runs import LawFound
 
-_HEADINGS = {'fixed': 'fixed laws', 'adaptive': 'laws that adapt'}
+_HEADINGS = {'fixed': 'feedback laws', 'adaptive': 'laws that cancel or learn'}
 _SURE = 0.3  # coherence below which a line is not drawn
 
 
@@ -28,7 +28,7 @@ def draw(
     laws: Sequence[str],
     path: Path,
 ) -> None:
-    """Draw the first seed: heave above, the worst strut below; fixed laws at the left, adaptive ones at the right."""
+    """Draw the first seed: heave above, the worst strut below; feedback at the left, laws that learn at the right."""
     cases = isolation.law_list()
     still = found[rig, OPEN].curves[0]
     with figure(path, 2, 2, size=(11.0, 7.4), sharex=True, sharey=True) as (_, axes):
@@ -50,7 +50,7 @@ def draw(
                     )  # fmt: skip
                 ax.axhline(0.0, color=FAINT, lw=0.6, ls=':')
                 if row == 0:
-                    ax.legend(loc='upper right', fontsize=8)
+                    ax.legend(loc='lower left', fontsize=8)
                 if column == 0:
                     ax.set_ylabel('payload over base [dB]')
                 if row == 1:
