@@ -30,7 +30,7 @@ SHORT = {
     'fuzz_bags': ['--files', '3'],
     'fuzz_records': ['--files', '20'],
     'fuzz_yaml': ['--files', '20'],
-    'hexapod': ['figure.png'],
+    'hexapod': ['--figure', 'figure.png'],
     'identification_cost': ['--streams', '10', '--updates', '10', '--rounds', '1'],
     'identification_tables': ['trust', '--trials', '1'],
     'identify_speed': ['--samples', '20000'],

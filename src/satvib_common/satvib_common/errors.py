@@ -2,15 +2,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """The errors that people see, in one line each."""
 
+_LONGEST = 4000  # characters of an error
 
-class SatvibError(Exception):
+
+class _OneLineError(Exception):
+    """An error whose text a terminal may show, also where it quotes a damaged file."""
+
+    def __str__(self) -> str:
+        return printable(super().__str__(), _LONGEST)
+
+
+class SatvibError(_OneLineError):
     """A wrong input or set-up. Its text is one line: what, where, and what to do.
 
     Commands print it as it is and exit with 2. Anything else that escapes is a defect of satvib.
     """
 
 
-class RunError(Exception):
+class RunError(_OneLineError):
     """A run that started and then failed. Its text is one line. Commands exit with 1."""
 
 
