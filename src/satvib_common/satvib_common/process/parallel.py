@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -19,6 +20,8 @@ from typing import Any, TypeVar
 from satvib_common.errors import SatvibError
 
 LIVES = 5
+_LOOK = 0.5  # s, how often the parent looks whether somebody has interrupted it
+_PATIENCE = 1.0  # s
 Result = TypeVar('Result')
 
 
@@ -69,7 +72,7 @@ def run_in_processes(
                         with _deaf():
                             running[pool.submit(task, *arguments(waiting[0]))] = waiting[0]
                         del waiting[0]
-                    for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    for future in _done(running):
                         data = future.result()
                         yield running.pop(future), data
             except BrokenProcessPool:
@@ -98,6 +101,18 @@ def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
             if process.pid not in others:
                 process.kill()
                 process.join()
+                # where the pool's own thread has heard of its end first, it is still to write that down
+                patient_until = time.monotonic() + _PATIENCE
+                while process.is_alive() and time.monotonic() < patient_until:
+                    time.sleep(0.001)
+
+
+def _done(running: Iterable[Future[Result]]) -> set[Future[Result]]:
+    """Wait for the first of them."""
+    # a Control-C that comes just before the thread falls asleep does not wake it
+    while not (done := wait(running, _LOOK, FIRST_COMPLETED).done):
+        pass
+    return done
 
 
 def _end_with_parent() -> None:
