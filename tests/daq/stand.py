@@ -234,7 +234,8 @@ class Stand:
             granted, why = self.call('arm')
             if granted:
                 return
-            if 'the device or its line stalls' in why:
+            late = 'refused in FAULT' in why and any(word in why for word in FORGIVEN)
+            if late or 'the device or its line stalls' in why:
                 self.call('reset')
                 continue
             assert 'not learnt yet' in why or 'not active' in why or 'publishers' in why, why
