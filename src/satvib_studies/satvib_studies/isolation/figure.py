@@ -31,7 +31,7 @@ def draw(
     """Draw the first seed: heave above, the worst strut below; feedback at the left, laws that learn at the right."""
     cases = isolation.law_list()
     still = found[rig, OPEN].curves[0]
-    with figure(path, 2, 2, size=(11.0, 7.4), sharex=True, sharey=True) as (_, axes):
+    with figure(path, 2, 2, size=(11.0, 8.2), sharex=True, sharey=True) as (_, axes):
         for column, kind in enumerate(KINDS):
             shown = [law for law in laws if cases[law].kind == kind]
             for row, (chosen, label) in enumerate(((_heave, 'heave'), (_worst, 'worst strut'))):
@@ -49,12 +49,12 @@ def draw(
                         label='open loop, exact',
                     )  # fmt: skip
                 ax.axhline(0.0, color=FAINT, lw=0.6, ls=':')
-                if row == 0:
-                    ax.legend(loc='lower left', fontsize=8)
                 if column == 0:
                     ax.set_ylabel('payload over base [dB]')
                 if row == 1:
                     ax.set_xlabel('frequency [Hz]')
+                    # below, where it hides no curve
+                    ax.legend(loc='upper center', bbox_to_anchor=(0.5, -0.15), ncols=2, fontsize=8)
         _scale(axes, isolation)
 
 
