@@ -76,7 +76,7 @@ OTHERS = (
     ),
     Elsewhere(
         'restart of the controller in CALIBRATE, IDENTIFY, CONTROL',
-        'after a second the voltage of a controller that was never away',
+        'after 1.5 s the voltage of a controller that was never away',
         'tests/faults/test_restart_live.py::test_a_controller_that_is_started_again_goes_on',
     ),
     Elsewhere(
