@@ -20,8 +20,7 @@ from typing import Any, TypeVar
 from satvib_common.errors import SatvibError
 
 LIVES = 5
-_LOOK = 0.5  # s, how often the parent looks whether somebody has interrupted it
-_PATIENCE = 1.0  # s
+_PATIENCE = 1.0  # s, for the end of a process to be written down
 Result = TypeVar('Result')
 
 
@@ -72,7 +71,7 @@ def run_in_processes(
                         with _deaf():
                             running[pool.submit(task, *arguments(waiting[0]))] = waiting[0]
                         del waiting[0]
-                    for future in _done(running):
+                    for future in wait(running, return_when=FIRST_COMPLETED).done:
                         data = future.result()
                         yield running.pop(future), data
             except BrokenProcessPool:
@@ -105,14 +104,6 @@ def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
                 patient_until = time.monotonic() + _PATIENCE
                 while process.is_alive() and time.monotonic() < patient_until:
                     time.sleep(0.001)
-
-
-def _done(running: Iterable[Future[Result]]) -> set[Future[Result]]:
-    """Wait for the first of them."""
-    # a Control-C that comes just before the thread falls asleep does not wake it
-    while not (done := wait(running, _LOOK, FIRST_COMPLETED).done):
-        pass
-    return done
 
 
 def _end_with_parent() -> None:

@@ -48,7 +48,7 @@ def two_sources(node: Any, topic: str, two: str, one: str) -> str:
     """
     if rivals := too_many_writers(node, topic):
         return f'{two}: {rivals}'
-    for name in writers_of(node, topic):
+    if names := writers_of(node, topic):
         where = node.resolve_topic_name(topic).lstrip('/')
-        return f'{one}: {name} publishes each twice or out of order on {where}'
+        return f'{one}: {names[0]} publishes each twice or out of order on {where}'
     return two
